@@ -1,0 +1,2 @@
+//! Checks of the project: `cargo xtask help` lists them.
+fn main() {}
