@@ -1,0 +1,289 @@
+//! Limit positions, tangents and normals at the vertices of a mesh.
+
+use alloc::vec::Vec;
+
+use crate::error::Error;
+use crate::ids::VertexId;
+use crate::scheme::loop_scheme::{
+    boundary_edge_weights, boundary_limit_weight, inward_tangent_centre_weight,
+    inward_tangent_weight, limit_weight, tangent_weights,
+};
+use crate::scheme::{Corners, Scheme};
+use crate::{Stencils, Topology, Vec3, par};
+
+pub(crate) mod operator;
+
+pub use crate::scheme::loop_scheme::BoundaryKind;
+
+/// The rows that take control points to the limit points of the vertices, one row per vertex. An
+/// isolated vertex is its own limit point.
+///
+/// # Errors
+/// As [`Scheme::check`].
+pub fn limit_stencils(
+    topology: &Topology,
+    scheme: Scheme,
+    corners: Corners,
+) -> Result<Stencils, Error> {
+    scheme.check(topology)?;
+    let kinds = BoundaryKinds { topology, corners };
+    let mut row_start = Vec::with_capacity(topology.vertex_count() + 1);
+    let mut end = 0;
+    row_start.push(end);
+    for v in topology.vertices() {
+        end += match kinds.of(v) {
+            Some(BoundaryKind::Corner) => 1,
+            Some(_) => 3,
+            None => 1 + topology.fan_size(v),
+        };
+        row_start.push(end);
+    }
+    let centre_weights = by_valence(topology, limit_weight);
+    Ok(Stencils::build(topology.vertex_count(), row_start, &|row, source, weight| {
+        let v = VertexId(row as u32);
+        source[0] = v.0;
+        if let [_] = source {
+            weight[0] = 1.0;
+        } else if topology.is_boundary(v) {
+            let (left, right) = boundary_neighbours(topology, v);
+            source[1..].copy_from_slice(&[left.0, right.0]);
+            weight.copy_from_slice(&kinds.limit_weights(v));
+        } else {
+            let n = source.len() - 1;
+            let centre = centre_weights[n];
+            weight[0] = centre;
+            weight[1..].fill((1.0 - centre) / n as f64);
+            for (slot, q) in source[1..].iter_mut().zip(topology.ring(v)) {
+                *slot = q.0;
+            }
+        }
+    }))
+}
+
+/// The limit points of all vertices for control points `points`.
+///
+/// # Errors
+/// As [`Scheme::check`].
+///
+/// # Panics
+/// If there is not one point per vertex.
+pub fn limit_points(
+    topology: &Topology,
+    points: &[Vec3],
+    scheme: Scheme,
+    corners: Corners,
+) -> Result<Vec<Vec3>, Error> {
+    assert_eq!(points.len(), topology.vertex_count(), "one point per vertex");
+    scheme.check(topology)?;
+    let kinds = BoundaryKinds { topology, corners };
+    let centre_weights = by_valence(topology, limit_weight);
+    Ok(par::collect(points.len(), |i| {
+        let v = VertexId(i as u32);
+        if topology.is_boundary(v) {
+            let (left, right) = boundary_neighbours(topology, v);
+            let [w, l, r] = kinds.limit_weights(v);
+            return w * points[i] + l * points[left.index()] + r * points[right.index()];
+        }
+        let n = topology.fan_size(v) as usize;
+        if n == 0 {
+            return points[i];
+        }
+        let sum: Vec3 = topology.ring(v).map(|q| points[q.index()]).sum();
+        let centre = centre_weights[n];
+        centre * points[i] + ((1.0 - centre) / n as f64) * sum
+    }))
+}
+
+/// The unit normals of the limit surface at the limit points of all vertices, outwards for
+/// counter-clockwise faces; zero at isolated vertices and where the tangents are parallel.
+///
+/// At a boundary vertex with two faces the limit surface has no unique normal; there the result is
+/// that of the convention of
+/// [`inward_tangent_weight`](crate::scheme::loop_scheme::inward_tangent_weight).
+///
+/// # Errors
+/// As [`Scheme::check`].
+///
+/// # Panics
+/// If there is not one point per vertex.
+pub fn limit_normals(
+    topology: &Topology,
+    points: &[Vec3],
+    scheme: Scheme,
+    corners: Corners,
+) -> Result<Vec<Vec3>, Error> {
+    assert_eq!(points.len(), topology.vertex_count(), "one point per vertex");
+    scheme.check(topology)?;
+    let tangents = Tangents {
+        kinds: BoundaryKinds { topology, corners },
+        points,
+        ring_weights: RingTangents::new(topology),
+    };
+    Ok(par::collect(points.len(), |i| {
+        let [along, across] = tangents.at(VertexId(i as u32));
+        // Tangents of tiny or huge meshes are scaled first, so that no product under- or overflows.
+        along.normalized().cross(across.normalized()).normalized()
+    }))
+}
+
+/// Two tangents of the limit surface at the limit point of every vertex; their vector product
+/// points outwards. Zero at isolated vertices.
+///
+/// # Errors
+/// As [`Scheme::check`].
+///
+/// # Panics
+/// If there is not one point per vertex.
+pub fn limit_tangents(
+    topology: &Topology,
+    points: &[Vec3],
+    scheme: Scheme,
+    corners: Corners,
+) -> Result<Vec<[Vec3; 2]>, Error> {
+    assert_eq!(points.len(), topology.vertex_count(), "one point per vertex");
+    scheme.check(topology)?;
+    let tangents = Tangents {
+        kinds: BoundaryKinds { topology, corners },
+        points,
+        ring_weights: RingTangents::new(topology),
+    };
+    Ok(par::collect(points.len(), |i| tangents.at(VertexId(i as u32))))
+}
+
+struct Tangents<'a> {
+    kinds: BoundaryKinds<'a>,
+    points: &'a [Vec3],
+    ring_weights: RingTangents,
+}
+
+impl Tangents<'_> {
+    fn at(&self, v: VertexId) -> [Vec3; 2] {
+        let topology = self.kinds.topology;
+        match self.kinds.of(v) {
+            None => self.interior(v, topology.fan_size(v)),
+            Some(BoundaryKind::Corner) => {
+                let (last, first) = boundary_neighbours(topology, v);
+                let here = self.points[v.index()];
+                [self.points[first.index()] - here, self.points[last.index()] - here]
+            }
+            Some(_) => self.boundary(v, topology.fan_size(v)),
+        }
+    }
+
+    fn interior(&self, v: VertexId, n: u32) -> [Vec3; 2] {
+        let mut t = [Vec3::ZERO; 2];
+        for (i, q) in self.kinds.topology.ring(v).enumerate() {
+            let q = self.points[q.index()];
+            let [c, s] = self.ring_weights.get(n, i as u32);
+            t[0] += c * q;
+            t[1] += s * q;
+        }
+        t
+    }
+
+    /// The masks hold on the ring after one step, so that step is made here, locally.
+    fn boundary(&self, v: VertexId, k: u32) -> [Vec3; 2] {
+        let topology = self.kinds.topology;
+        let point = |q: VertexId| self.points[q.index()];
+        let (last, first) = boundary_neighbours(topology, v);
+        let here = point(v);
+        let boundary_point = |q: VertexId| {
+            let [a, b] = self.kinds.edge_weights(v, q);
+            a * here + b * point(q)
+        };
+        let finer = 0.75 * here + 0.125 * (point(first) + point(last));
+        let (first_point, last_point) = (boundary_point(first), boundary_point(last));
+        let mut across = inward_tangent_centre_weight(k) * finer
+            + inward_tangent_weight(k, 0) * first_point
+            + inward_tangent_weight(k, k) * last_point;
+        let mut ring = topology.ring(v).map(point);
+        let (mut before, mut at) = (ring.next(), ring.next());
+        for (i, after) in (1..k).zip(ring) {
+            if let (Some(before), Some(at)) = (before, at) {
+                let edge_point = 0.375 * (here + at) + 0.125 * (before + after);
+                across += inward_tangent_weight(k, i) * edge_point;
+            }
+            (before, at) = (at, Some(after));
+        }
+        [first_point - last_point, across]
+    }
+}
+
+/// Tangent weights of all ring places, for the usual valences kept in a table.
+struct RingTangents {
+    table: Vec<Vec<[f64; 2]>>,
+}
+
+impl RingTangents {
+    const TABLE: u32 = 64;
+
+    fn new(topology: &Topology) -> Self {
+        let largest = largest_fan(topology).min(Self::TABLE);
+        let row = |n: u32| (0..n).map(|i| tangent_weights(n, i)).collect();
+        Self { table: (0..=largest).map(row).collect() }
+    }
+
+    fn get(&self, n: u32, i: u32) -> [f64; 2] {
+        match self.table.get(n as usize) {
+            Some(row) => row[i as usize],
+            None => tangent_weights(n, i),
+        }
+    }
+}
+
+/// What kind each boundary vertex is.
+#[derive(Clone, Copy)]
+pub(crate) struct BoundaryKinds<'t> {
+    pub(crate) topology: &'t Topology,
+    pub(crate) corners: Corners,
+}
+
+impl BoundaryKinds<'_> {
+    /// The kind of a boundary vertex; `None` off the boundary.
+    pub(crate) fn of(self, v: VertexId) -> Option<BoundaryKind> {
+        self.topology.is_boundary(v).then(|| match (self.topology.fan_size(v), self.corners) {
+            (3, _) => BoundaryKind::Regular,
+            (1, Corners::Sharp) => BoundaryKind::Corner,
+            _ => BoundaryKind::Extraordinary,
+        })
+    }
+
+    fn on_boundary(self, v: VertexId) -> BoundaryKind {
+        self.of(v).unwrap_or(BoundaryKind::Extraordinary)
+    }
+
+    pub(crate) fn edge_weights(self, a: VertexId, b: VertexId) -> [f64; 2] {
+        boundary_edge_weights(self.on_boundary(a), self.on_boundary(b))
+    }
+
+    /// Weights of a boundary vertex, its left and its right neighbour in its limit point.
+    pub(crate) fn limit_weights(self, v: VertexId) -> [f64; 3] {
+        let (left, right) = boundary_neighbours(self.topology, v);
+        let own = self.on_boundary(v);
+        let l = boundary_limit_weight(own, self.on_boundary(left));
+        let r = boundary_limit_weight(own, self.on_boundary(right));
+        [1.0 - l - r, l, r]
+    }
+}
+
+/// The two neighbours of a boundary vertex along the boundary: the one before and the one after,
+/// with the mesh on the left.
+pub(crate) fn boundary_neighbours(topology: &Topology, v: VertexId) -> (VertexId, VertexId) {
+    let first = topology.outgoing(v).expect("a boundary vertex has a face");
+    let last = topology.fan(v).last().expect("a boundary vertex has a face");
+    (topology.origin(topology.prev(last)), topology.target(first))
+}
+
+/// A function of the valence, tabulated for all fans of a mesh; zero below 2.
+pub(crate) fn by_valence(topology: &Topology, f: impl Fn(u32) -> f64) -> Vec<f64> {
+    (0..=largest_fan(topology)).map(|n| if n < 2 { 0.0 } else { f(n) }).collect()
+}
+
+fn largest_fan(topology: &Topology) -> u32 {
+    par::blocks(topology.vertex_count(), |range| {
+        range.map(|v| topology.fan_size(VertexId(v as u32))).max().unwrap_or(0)
+    })
+    .into_iter()
+    .max()
+    .unwrap_or(0)
+}

@@ -1,0 +1,164 @@
+//! Progressive interpolation and what grows out of it: the methods whose every update is
+//! $`s_k = a_k s_{k-1} + b_k (p - B x_k),\; x_{k+1} = x_k + s_k`$ with numbers $`a_k, b_k`$ known
+//! beforehand.
+
+use alloc::vec::Vec;
+use core::ops::ControlFlow;
+
+use super::{Lengths, LinearOperator, Observer, Progress, Report, Stop};
+use crate::error::Error;
+use crate::{Vec3, par};
+
+/// The part of the spectrum that an update is made for.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Interval {
+    /// The process as published: $`x_{k+1} = x_k + (p - B x_k)`$. \[ChengEtAl2009\]
+    Plain,
+    /// The best constant weight $`2/(\lambda_{\min} + 1)`$ for eigenvalues in $`[\lambda_{\min}, 1]`$.
+    Weighted {
+        /// Lower end.
+        smallest: f64,
+    },
+    /// Chebyshev's three-term recurrence for eigenvalues in $`[\lambda_{\min}, 1]`$. It converges
+    /// for eigenvalues below the lower end too, only more slowly. \[Saad2003, algorithm 12.1\]
+    Chebyshev {
+        /// Lower end.
+        smallest: f64,
+    },
+    /// Chebyshev for the eigenvalues that meshes have in practice, begun anew with a guaranteed
+    /// lower end if the residual does not fall as hoped.
+    Hopeful {
+        /// Lower end to fall back to.
+        guaranteed: f64,
+    },
+}
+
+/// Smallest eigenvalue of nearly all meshes that one meets, whatever their worst vertex would allow.
+const USUAL_SMALLEST: f64 = 0.2;
+
+impl Interval {
+    /// The factor by which an update shrinks the residual in the long run.
+    #[must_use]
+    pub fn contraction(self, smallest: f64) -> f64 {
+        match self {
+            Self::Plain => 1.0 - smallest,
+            Self::Weighted { smallest } => (1.0 - smallest) / (1.0 + smallest),
+            Self::Hopeful { guaranteed } => {
+                let smallest = guaranteed.max(USUAL_SMALLEST);
+                Self::Chebyshev { smallest }.contraction(smallest)
+            }
+            Self::Chebyshev { smallest } => {
+                let root = libm::sqrt(smallest);
+                (1.0 - root) / (1.0 + root)
+            }
+        }
+    }
+}
+
+/// The numbers $`(a_k, b_k)`$ of the updates.
+struct Coefficients {
+    interval: Interval,
+    /// Chebyshev's $`\rho_k`$, once there is one.
+    rho: Option<f64>,
+    /// Largest residuals since the recurrence began.
+    seen: Vec<f64>,
+}
+
+impl Coefficients {
+    fn new(interval: Interval) -> Self {
+        Self { interval, rho: None, seen: Vec::new() }
+    }
+
+    /// The numbers for the next update, after a largest residual was seen.
+    fn next(&mut self, residual: f64) -> (f64, f64) {
+        if let Interval::Hopeful { guaranteed } = self.interval {
+            self.seen.push(residual);
+            if guaranteed < USUAL_SMALLEST && self.is_disappointing() {
+                self.interval = Interval::Chebyshev { smallest: guaranteed };
+                self.rho = None;
+            }
+        }
+        match self.interval {
+            Interval::Plain => (0.0, 1.0),
+            Interval::Weighted { smallest } => (0.0, 2.0 / (1.0 + smallest)),
+            Interval::Chebyshev { smallest } => self.chebyshev(smallest),
+            Interval::Hopeful { guaranteed } => self.chebyshev(guaranteed.max(USUAL_SMALLEST)),
+        }
+    }
+
+    fn chebyshev(&mut self, smallest: f64) -> (f64, f64) {
+        let (theta, delta) = (f64::midpoint(1.0, smallest), (1.0 - smallest) / 2.0);
+        if delta == 0.0 {
+            return (0.0, 1.0 / theta);
+        }
+        let sigma = theta / delta;
+        let Some(before) = self.rho else {
+            self.rho = Some(1.0 / sigma);
+            return (0.0, 1.0 / theta);
+        };
+        let now = 1.0 / (2.0 * sigma - before);
+        self.rho = Some(now);
+        (now * before, 2.0 * now / delta)
+    }
+
+    /// Whether the last updates shrank the residual by less than a third each, where well over a
+    /// half was to be expected.
+    fn is_disappointing(&self) -> bool {
+        const UPDATES: usize = 4;
+        match *self.seen.as_slice() {
+            [.., before, _, _, _, now] if self.seen.len() > UPDATES + 2 => now > 0.2 * before,
+            _ => false,
+        }
+    }
+}
+
+/// Solves `B x = target` from the start values in `x`: unknowns first, then known values, which
+/// stay. One pass over memory per update.
+///
+/// # Errors
+/// [`Error::Interrupted`], [`Error::Overflow`].
+///
+/// # Panics
+/// If there is not one target per unknown.
+pub fn stationary<A: LinearOperator>(
+    operator: &A,
+    target: &[Vec3],
+    x: &mut Vec<Vec3>,
+    interval: Interval,
+    stop: Stop,
+    observer: &mut Observer<'_>,
+) -> Result<Report, Error> {
+    let n = operator.unknown_count();
+    assert_eq!(target.len(), n, "one target per unknown");
+    let mut progress = Progress::new(stop, observer);
+    let mut update = alloc::vec![Vec3::ZERO; n];
+    let mut next = x.clone();
+    let mut updates = 0;
+    let mut coefficients = Coefficients::new(interval);
+    let mut residual = f64::INFINITY;
+    loop {
+        let (a, b) = coefficients.next(residual);
+        // One pass: residual of x, its size, the update, and x after it into the other array.
+        let now: &[Vec3] = x;
+        let blocks = par::for_blocks2(&mut update, &mut next[..n], |start, update, next| {
+            let mut lengths = Lengths::default();
+            for (i, (s, out)) in update.iter_mut().zip(next).enumerate() {
+                let row = start + i;
+                let residual = target[row] - operator.row(row, now);
+                lengths.add(residual);
+                *s = a * *s + b * residual;
+                *out = now[row] + *s;
+            }
+            lengths
+        });
+        let total = Lengths::total(&blocks, n);
+        if let ControlFlow::Break(outcome) = progress.take(updates, total)? {
+            let predicted =
+                progress.predict(interval.contraction(operator.smallest_eigenvalue_bound()));
+            return Ok(Report { history: progress.history, outcome, predicted });
+        }
+        core::mem::swap(x, &mut next);
+        residual = total.max;
+        updates += 1;
+    }
+}

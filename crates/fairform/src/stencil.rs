@@ -1,0 +1,80 @@
+//! [`Stencils`]: sparse rows of weights, where rules meet data.
+
+use alloc::vec::Vec;
+
+use crate::ids::VertexId;
+use crate::{Vec3, par};
+
+/// Sparse rows of weights: result `i` is the weighted sum of the sources that row `i` names.
+///
+/// A refinement step, a limit map or a tangent map is a table of such rows; applying them is one
+/// gather loop, for positions as for colours or any other triple per vertex.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Stencils {
+    source_count: usize,
+    row_start: Vec<u32>,
+    source: Vec<u32>,
+    weight: Vec<f64>,
+}
+
+impl Stencils {
+    /// Rows of given lengths, each filled by `f(row, sources, weights)`.
+    ///
+    /// # Panics
+    /// If a row names a source that does not exist.
+    pub(crate) fn build(
+        source_count: usize,
+        row_start: Vec<u32>,
+        f: &(impl Fn(usize, &mut [u32], &mut [f64]) + Sync),
+    ) -> Self {
+        let len = row_start.last().map_or(0, |&end| end as usize);
+        let mut source = alloc::vec![0; len];
+        let mut weight = alloc::vec![0.0; len];
+        par::fill_rows(&row_start, &mut source, &mut weight, f);
+        debug_assert!(source.iter().all(|&s| (s as usize) < source_count), "sources exist");
+        Self { source_count, row_start, source, weight }
+    }
+
+    /// Number of rows, which is the number of results.
+    #[must_use]
+    pub fn row_count(&self) -> usize {
+        self.row_start.len() - 1
+    }
+
+    /// Number of values that a row can draw on.
+    #[must_use]
+    pub fn source_count(&self) -> usize {
+        self.source_count
+    }
+
+    /// The entries of a row.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    pub fn row(&self, i: usize) -> impl ExactSizeIterator<Item = (VertexId, f64)> + '_ {
+        let range = self.row_start[i] as usize..self.row_start[i + 1] as usize;
+        self.source[range.clone()]
+            .iter()
+            .map(|&s| VertexId(s))
+            .zip(self.weight[range].iter().copied())
+    }
+
+    /// The weighted sums of all rows.
+    ///
+    /// One thread gathers a whole row, in row order, so the bits do not depend on how many run.
+    ///
+    /// # Panics
+    /// If `points` does not have one value per source.
+    #[must_use]
+    pub fn apply(&self, points: &[Vec3]) -> Vec<Vec3> {
+        assert_eq!(points.len(), self.source_count, "one point per source");
+        par::collect(self.row_count(), |i| {
+            let range = self.row_start[i] as usize..self.row_start[i + 1] as usize;
+            let mut sum = Vec3::ZERO;
+            for (&s, &w) in self.source[range.clone()].iter().zip(&self.weight[range]) {
+                sum += w * points[s as usize];
+            }
+            sum
+        })
+    }
+}

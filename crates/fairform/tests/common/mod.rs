@@ -1,0 +1,148 @@
+//! What several test files need: fixtures, comparisons, random meshes.
+#![allow(dead_code, reason = "each test file uses a part of it")]
+
+use fairform::{Faces, Mesh, Vec3, shapes};
+use serde_json::Value;
+
+/// A fixture of `data/golden`.
+pub fn golden(name: &str) -> Value {
+    let path = format!("{}/../../data/golden/{name}.json", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
+    serde_json::from_str(&text).unwrap_or_else(|e| panic!("{path}: {e}"))
+}
+
+pub const GOLDEN_LOOP: [&str; 11] = [
+    "boundary-fan-2",
+    "boundary-fan-5",
+    "cube-triangulated",
+    "icosahedron",
+    "noisy-sphere",
+    "octahedron",
+    "open-cylinder",
+    "open-grid",
+    "single-triangle",
+    "six-configurations",
+    "tetrahedron",
+];
+
+pub fn points(value: &Value) -> Vec<Vec3> {
+    let list = value.as_array().expect("a list of points");
+    list.iter().map(|p| Vec3::new(number(&p[0]), number(&p[1]), number(&p[2]))).collect()
+}
+
+pub fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("a number, not {value}"))
+}
+
+pub fn faces(value: &Value) -> Faces {
+    let face = |f: &Value| -> Vec<u32> {
+        f.as_array().unwrap().iter().map(|v| v.as_u64().unwrap() as u32).collect()
+    };
+    value.as_array().expect("a list of faces").iter().map(face).collect()
+}
+
+pub fn mesh(value: &Value) -> Mesh {
+    Mesh::new(points(&value["vertices"]), &faces(&value["faces"])).expect("a manifold")
+}
+
+/// Fails where two lists of points differ by more than `tolerance` times the size of `expected`.
+#[track_caller]
+pub fn assert_near(actual: &[Vec3], expected: &[Vec3], tolerance: f64, what: &str) {
+    assert_eq!(actual.len(), expected.len(), "{what}: count");
+    let size = expected.iter().map(|p| p.max_abs()).fold(1e-300, f64::max);
+    for (i, (a, e)) in actual.iter().zip(expected).enumerate() {
+        let error = (*a - *e).length() / size;
+        assert!(error <= tolerance, "{what}: point {i} is {a:?}, not {e:?} (off by {error:e})");
+    }
+}
+
+/// Meshes with and without boundary, regular and not, valences 2 to 40.
+pub fn assorted() -> Vec<(&'static str, Mesh)> {
+    vec![
+        ("tetrahedron", shapes::tetrahedron()),
+        ("octahedron", shapes::octahedron()),
+        ("icosahedron", shapes::icosahedron()),
+        ("torus", shapes::torus(5, 7)),
+        ("bipyramid 3", shapes::bipyramid(3)),
+        ("bipyramid 40", shapes::bipyramid(40)),
+        ("fan 3", shapes::fan(3)),
+        ("fan 9", shapes::fan(9)),
+        ("sheet", shapes::sheet(5, 6, |x, y| (3.0 * x).sin() * y)),
+        ("strip", shapes::sheet(2, 6, |x, y| x * y)),
+        ("tube", shapes::tube(4, 7)),
+        ("triangle", triangle()),
+        ("back to back", back_to_back()),
+        ("several", several()),
+    ]
+}
+
+pub fn triangle() -> Mesh {
+    let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.2, 1.0, 0.3]].map(Vec3::from);
+    Mesh::new(positions.to_vec(), &Faces::uniform(3, vec![0, 1, 2])).unwrap()
+}
+
+/// Two triangles glued on all sides: three interior vertices of valence 2.
+pub fn back_to_back() -> Mesh {
+    Mesh::new(triangle().into_positions(), &Faces::uniform(3, vec![0, 1, 2, 2, 1, 0])).unwrap()
+}
+
+/// A closed and an open component and two isolated vertices.
+pub fn several() -> Mesh {
+    let (a, b) = (shapes::icosahedron(), shapes::fan(5));
+    let mut positions = vec![Vec3::new(9.0, 9.0, 9.0)];
+    positions.extend(a.positions());
+    positions.extend(b.positions().iter().map(|&p| p + Vec3::new(5.0, 0.0, 0.0)));
+    positions.push(Vec3::new(-7.0, 0.0, 3.0));
+    let mut list = Faces::new();
+    for (shape, offset) in [(&a, 1), (&b, 13)] {
+        for f in shape.topology().to_faces().iter() {
+            list.push(&f.iter().map(|v| v + offset).collect::<Vec<_>>());
+        }
+    }
+    Mesh::new(positions, &list).unwrap()
+}
+
+/// A closed or open triangle mesh grown from a seed: a shape whose faces are randomly split at
+/// their centre (valence 3, and ever higher ones), with random positions and some faces cut out.
+pub fn random_mesh(seed: u64, splits: usize, holes: usize) -> Mesh {
+    let mut state = seed | 1;
+    let mut random = move |below: usize| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 11) as usize % below
+    };
+    let base = match random(4) {
+        0 => shapes::tetrahedron(),
+        1 => shapes::octahedron(),
+        2 => shapes::torus(3 + random(4) as u32, 3 + random(4) as u32),
+        _ => shapes::bipyramid(3 + random(20) as u32),
+    };
+    let mut positions = base.positions().to_vec();
+    let mut list: Vec<[u32; 3]> =
+        base.topology().to_faces().iter().map(|f| [f[0], f[1], f[2]]).collect();
+    for _ in 0..splits {
+        let f = random(list.len());
+        let [a, b, c] = list[f];
+        let n = positions.len() as u32;
+        positions.push(Vec3::ZERO);
+        list[f] = [a, b, n];
+        list.push([b, c, n]);
+        list.push([c, a, n]);
+    }
+    for p in &mut positions {
+        let mut coordinate = || random(1 << 20) as f64 / f64::from(1 << 19) - 1.0;
+        *p = Vec3::new(coordinate(), coordinate(), coordinate());
+    }
+    // Cut faces out one by one, wherever that leaves a manifold.
+    for _ in 0..holes {
+        let f = random(list.len());
+        let mut fewer = list.clone();
+        fewer.swap_remove(f);
+        let candidate: Faces = fewer.iter().collect();
+        if fairform::Topology::from_faces(positions.len(), &candidate).is_ok() {
+            list = fewer;
+        }
+    }
+    Mesh::new(positions, &list.iter().collect()).expect("a manifold")
+}
