@@ -78,6 +78,7 @@ impl Faces {
     }
 
     /// The faces in order.
+    #[must_use]
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &[u32]> + Clone {
         self.start.windows(2).map(|w| &self.corners[w[0] as usize..w[1] as usize])
     }

@@ -8,10 +8,11 @@ use core::str::FromStr;
 
 use crate::error::Error;
 use crate::ids::{NONE, VertexId};
+use crate::limit::limit_points;
 use crate::limit::operator::{CurveOperator, CurveRow, RingOperator};
-use crate::limit::{BoundaryKind, BoundaryKinds, boundary_neighbours, limit_points};
 use crate::mesh::Bounds;
-use crate::scheme::loop_scheme::boundary_scale;
+use crate::rules::{BoundaryKinds, boundary_neighbours};
+use crate::scheme::loop_scheme::{BoundaryKind, boundary_scale};
 use crate::scheme::{Corners, Scheme};
 use crate::solve::{Interval, LinearOperator, Outcome, Report, Step, Stop};
 use crate::{Mesh, Topology, Vec3, par, solve};

@@ -37,6 +37,7 @@ pub mod topology;
 pub mod vec3;
 
 mod par;
+mod rules;
 
 pub use error::{Defect, Defects, Error};
 pub use faces::Faces;

@@ -4,16 +4,14 @@ use alloc::vec::Vec;
 
 use crate::error::Error;
 use crate::ids::VertexId;
+use crate::rules::{BoundaryKinds, VertexRule, boundary_neighbours, largest_fan};
 use crate::scheme::loop_scheme::{
-    boundary_edge_weights, boundary_limit_weight, inward_tangent_centre_weight,
-    inward_tangent_weight, limit_weight, tangent_weights,
+    BoundaryKind, inward_tangent_centre_weight, inward_tangent_weight, tangent_weights,
 };
 use crate::scheme::{Corners, Scheme};
 use crate::{Stencils, Topology, Vec3, par};
 
 pub(crate) mod operator;
-
-pub use crate::scheme::loop_scheme::BoundaryKind;
 
 /// The rows that take control points to the limit points of the vertices, one row per vertex. An
 /// isolated vertex is its own limit point.
@@ -26,37 +24,16 @@ pub fn limit_stencils(
     corners: Corners,
 ) -> Result<Stencils, Error> {
     scheme.check(topology)?;
-    let kinds = BoundaryKinds { topology, corners };
+    let rule = VertexRule::limit(topology, corners);
     let mut row_start = Vec::with_capacity(topology.vertex_count() + 1);
     let mut end = 0;
     row_start.push(end);
     for v in topology.vertices() {
-        end += match kinds.of(v) {
-            Some(BoundaryKind::Corner) => 1,
-            Some(_) => 3,
-            None => 1 + topology.fan_size(v),
-        };
+        end += rule.row_len(v);
         row_start.push(end);
     }
-    let centre_weights = by_valence(topology, limit_weight);
     Ok(Stencils::build(topology.vertex_count(), row_start, &|row, source, weight| {
-        let v = VertexId(row as u32);
-        source[0] = v.0;
-        if let [_] = source {
-            weight[0] = 1.0;
-        } else if topology.is_boundary(v) {
-            let (left, right) = boundary_neighbours(topology, v);
-            source[1..].copy_from_slice(&[left.0, right.0]);
-            weight.copy_from_slice(&kinds.limit_weights(v));
-        } else {
-            let n = source.len() - 1;
-            let centre = centre_weights[n];
-            weight[0] = centre;
-            weight[1..].fill((1.0 - centre) / n as f64);
-            for (slot, q) in source[1..].iter_mut().zip(topology.ring(v)) {
-                *slot = q.0;
-            }
-        }
+        rule.row(VertexId(row as u32), source, weight);
     }))
 }
 
@@ -75,23 +52,8 @@ pub fn limit_points(
 ) -> Result<Vec<Vec3>, Error> {
     assert_eq!(points.len(), topology.vertex_count(), "one point per vertex");
     scheme.check(topology)?;
-    let kinds = BoundaryKinds { topology, corners };
-    let centre_weights = by_valence(topology, limit_weight);
-    Ok(par::collect(points.len(), |i| {
-        let v = VertexId(i as u32);
-        if topology.is_boundary(v) {
-            let (left, right) = boundary_neighbours(topology, v);
-            let [w, l, r] = kinds.limit_weights(v);
-            return w * points[i] + l * points[left.index()] + r * points[right.index()];
-        }
-        let n = topology.fan_size(v) as usize;
-        if n == 0 {
-            return points[i];
-        }
-        let sum: Vec3 = topology.ring(v).map(|q| points[q.index()]).sum();
-        let centre = centre_weights[n];
-        centre * points[i] + ((1.0 - centre) / n as f64) * sum
-    }))
+    let rule = VertexRule::limit(topology, corners);
+    Ok(par::collect(points.len(), |v| rule.apply(VertexId(v as u32), points)))
 }
 
 /// The unit normals of the limit surface at the limit points of all vertices, outwards for
@@ -229,61 +191,4 @@ impl RingTangents {
             None => tangent_weights(n, i),
         }
     }
-}
-
-/// What kind each boundary vertex is.
-#[derive(Clone, Copy)]
-pub(crate) struct BoundaryKinds<'t> {
-    pub(crate) topology: &'t Topology,
-    pub(crate) corners: Corners,
-}
-
-impl BoundaryKinds<'_> {
-    /// The kind of a boundary vertex; `None` off the boundary.
-    pub(crate) fn of(self, v: VertexId) -> Option<BoundaryKind> {
-        self.topology.is_boundary(v).then(|| match (self.topology.fan_size(v), self.corners) {
-            (3, _) => BoundaryKind::Regular,
-            (1, Corners::Sharp) => BoundaryKind::Corner,
-            _ => BoundaryKind::Extraordinary,
-        })
-    }
-
-    fn on_boundary(self, v: VertexId) -> BoundaryKind {
-        self.of(v).unwrap_or(BoundaryKind::Extraordinary)
-    }
-
-    pub(crate) fn edge_weights(self, a: VertexId, b: VertexId) -> [f64; 2] {
-        boundary_edge_weights(self.on_boundary(a), self.on_boundary(b))
-    }
-
-    /// Weights of a boundary vertex, its left and its right neighbour in its limit point.
-    pub(crate) fn limit_weights(self, v: VertexId) -> [f64; 3] {
-        let (left, right) = boundary_neighbours(self.topology, v);
-        let own = self.on_boundary(v);
-        let l = boundary_limit_weight(own, self.on_boundary(left));
-        let r = boundary_limit_weight(own, self.on_boundary(right));
-        [1.0 - l - r, l, r]
-    }
-}
-
-/// The two neighbours of a boundary vertex along the boundary: the one before and the one after,
-/// with the mesh on the left.
-pub(crate) fn boundary_neighbours(topology: &Topology, v: VertexId) -> (VertexId, VertexId) {
-    let first = topology.outgoing(v).expect("a boundary vertex has a face");
-    let last = topology.fan(v).last().expect("a boundary vertex has a face");
-    (topology.origin(topology.prev(last)), topology.target(first))
-}
-
-/// A function of the valence, tabulated for all fans of a mesh; zero below 2.
-pub(crate) fn by_valence(topology: &Topology, f: impl Fn(u32) -> f64) -> Vec<f64> {
-    (0..=largest_fan(topology)).map(|n| if n < 2 { 0.0 } else { f(n) }).collect()
-}
-
-fn largest_fan(topology: &Topology) -> u32 {
-    par::blocks(topology.vertex_count(), |range| {
-        range.map(|v| topology.fan_size(VertexId(v as u32))).max().unwrap_or(0)
-    })
-    .into_iter()
-    .max()
-    .unwrap_or(0)
 }

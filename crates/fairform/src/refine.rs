@@ -4,18 +4,20 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use crate::error::Error;
+use crate::ids::FaceId;
 use crate::scheme::{Corners, Scheme};
-use crate::{Mesh, Stencils, Topology};
+use crate::{Mesh, Stencils, Topology, Vec3};
 
 mod loop_step;
 
-/// A finer topology, and the values on it as weighted sums of values on the coarser.
+/// One refinement step: the finer topology, and how values are carried over to it.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Refined {
+pub struct Refined<'t> {
+    coarse: &'t Topology,
+    scheme: Scheme,
+    corners: Corners,
     /// The finer topology, in the canonical order: old vertices first, then edge points.
     pub topology: Topology,
-    /// One row per finer vertex.
-    pub stencils: Stencils,
 }
 
 /// One step of a scheme.
@@ -23,10 +25,59 @@ pub struct Refined {
 /// # Errors
 /// [`Error::NotTriangles`] if the scheme cannot refine these faces, [`Error::TooLarge`] if the
 /// result has too many half-edges.
-pub fn refine(topology: &Topology, scheme: Scheme, corners: Corners) -> Result<Refined, Error> {
-    scheme.check(topology)?;
-    match scheme {
-        Scheme::Loop => loop_step::refine(topology, corners),
+pub fn refine(topology: &Topology, scheme: Scheme, corners: Corners) -> Result<Refined<'_>, Error> {
+    check_size(topology, scheme, 1)?;
+    let finer = match scheme {
+        Scheme::Loop => loop_step::finer_topology(topology),
+    };
+    Ok(Refined { coarse: topology, scheme, corners, topology: finer })
+}
+
+impl Refined<'_> {
+    /// The values at the finer vertices, from one value per coarser vertex: positions, or whatever
+    /// else is to be as smooth.
+    ///
+    /// # Panics
+    /// If there is not one value per coarser vertex.
+    #[must_use]
+    pub fn apply(&self, values: &[Vec3]) -> Vec<Vec3> {
+        assert_eq!(values.len(), self.coarse.vertex_count(), "one value per vertex");
+        match self.scheme {
+            Scheme::Loop => loop_step::apply(self.coarse, self.corners, values),
+        }
+    }
+
+    /// The rows that [`apply`](Self::apply) stands for, one per finer vertex.
+    #[must_use]
+    pub fn stencils(&self) -> Stencils {
+        match self.scheme {
+            Scheme::Loop => loop_step::stencils(self.coarse, self.corners),
+        }
+    }
+
+    /// The coarser face that a finer face is a part of.
+    ///
+    /// # Panics
+    /// If there is no such face.
+    #[must_use]
+    pub fn parent(&self, face: FaceId) -> FaceId {
+        assert!(face.index() < self.topology.face_count(), "no face {face}");
+        match self.scheme {
+            Scheme::Loop => FaceId(face.0 / 4),
+        }
+    }
+
+    /// Carries one value per face corner over to the finer corners, within each face by linear
+    /// interpolation: the right thing for texture coordinates with seams, which stay seams.
+    ///
+    /// # Panics
+    /// If there is not one value per coarser corner.
+    #[must_use]
+    pub fn apply_to_corners(&self, values: &[Vec3]) -> Vec<Vec3> {
+        assert_eq!(values.len(), self.coarse.halfedge_count(), "one value per corner");
+        match self.scheme {
+            Scheme::Loop => loop_step::apply_to_corners(values),
+        }
     }
 }
 
@@ -43,8 +94,9 @@ pub fn refine_mesh(
     check_size(mesh.topology(), scheme, levels)?;
     let mut mesh = mesh.clone();
     for _ in 0..levels {
-        let Refined { topology, stencils } = refine(mesh.topology(), scheme, corners)?;
-        mesh = Mesh::from_parts(Arc::new(topology), stencils.apply(mesh.positions()));
+        let step = refine(mesh.topology(), scheme, corners)?;
+        let positions = step.apply(mesh.positions());
+        mesh = Mesh::from_parts(Arc::new(step.topology), positions);
     }
     Ok(mesh)
 }
@@ -91,12 +143,4 @@ pub fn check_size(topology: &Topology, scheme: Scheme, levels: u32) -> Result<Si
         }
     }
     Ok(size)
-}
-
-/// The parent face of each face after one step.
-#[must_use]
-pub fn parent_faces(coarse: &Topology, scheme: Scheme) -> Vec<u32> {
-    match scheme {
-        Scheme::Loop => (0..coarse.face_count() as u32).flat_map(|f| [f; 4]).collect(),
-    }
 }

@@ -7,9 +7,9 @@ use libm::{cos, sin, sqrt};
 
 use crate::{Faces, Mesh, Vec3};
 
-fn mesh(positions: &[[f64; 3]], faces: Faces) -> Mesh {
+fn mesh(positions: &[[f64; 3]], faces: &Faces) -> Mesh {
     let positions = positions.iter().map(|&p| p.into()).collect();
-    Mesh::new(positions, &faces).expect("the shape is a manifold")
+    Mesh::new(positions, faces).expect("the shape is a manifold")
 }
 
 /// The regular tetrahedron: all valences 3.
@@ -17,7 +17,7 @@ fn mesh(positions: &[[f64; 3]], faces: Faces) -> Mesh {
 pub fn tetrahedron() -> Mesh {
     mesh(
         &[[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]],
-        Faces::uniform(3, alloc::vec![0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2]),
+        &Faces::uniform(3, alloc::vec![0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2]),
     )
 }
 
@@ -33,7 +33,7 @@ pub fn octahedron() -> Mesh {
             [0.0, 0.0, 1.0],
             [0.0, 0.0, -1.0],
         ],
-        Faces::uniform(
+        &Faces::uniform(
             3,
             alloc::vec![0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5],
         ),
@@ -59,7 +59,7 @@ pub fn icosahedron() -> Mesh {
             [-g, 0.0, -1.0],
             [-g, 0.0, 1.0],
         ],
-        Faces::uniform(
+        &Faces::uniform(
             3,
             alloc::vec![
                 0, 11, 5, 0, 5, 1, 0, 1, 7, 0, 7, 10, 0, 10, 11, 1, 5, 9, 5, 11, 4, 11, 10, 2, 10,
@@ -77,7 +77,7 @@ pub fn cube() -> Mesh {
     let positions: Vec<[f64; 3]> = (0..8).map(corner).collect();
     mesh(
         &positions,
-        Faces::uniform(
+        &Faces::uniform(
             4,
             alloc::vec![0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5],
         ),

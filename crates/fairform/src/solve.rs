@@ -145,7 +145,8 @@ impl<'a, 'o> Progress<'a, 'o> {
             return Some(0);
         }
         let updates = libm::ceil(libm::log(tolerance / first) / libm::log(contraction));
-        Some(updates.clamp(0.0, f64::from(u32::MAX)) as u32)
+        // A float out of range is clamped by the cast.
+        Some(updates as u32)
     }
 }
 

@@ -51,6 +51,7 @@ impl Stencils {
     ///
     /// # Panics
     /// If there is no such row.
+    #[must_use]
     pub fn row(&self, i: usize) -> impl ExactSizeIterator<Item = (VertexId, f64)> + '_ {
         let range = self.row_start[i] as usize..self.row_start[i + 1] as usize;
         self.source[range.clone()]

@@ -2,8 +2,8 @@
 
 use alloc::vec::Vec;
 
+use crate::Faces;
 use crate::ids::{EdgeId, FaceId, HalfedgeId, NONE, VertexId};
-use crate::{Faces, par};
 
 mod build;
 
@@ -456,22 +456,4 @@ impl Iterator for Ring<'_> {
             v => Some(VertexId(v)),
         }
     }
-}
-
-/// For every vertex the number of its neighbours, added up: `start[v]` is where the ring of `v`
-/// begins when all rings are laid one behind the other.
-pub(crate) fn ring_starts(topology: &Topology) -> Vec<u32> {
-    let mut start = Vec::with_capacity(topology.vertex_count() + 1);
-    let mut sum = 0;
-    start.push(0);
-    for v in topology.vertices() {
-        sum += topology.valence(v);
-        start.push(sum);
-    }
-    start
-}
-
-/// For every vertex whether it lies on the boundary.
-pub(crate) fn boundary_flags(topology: &Topology) -> Vec<bool> {
-    par::collect(topology.vertex_count(), |v| topology.is_boundary(VertexId(v as u32)))
 }
