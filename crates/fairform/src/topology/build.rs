@@ -36,8 +36,7 @@ impl Topology {
         let soup = Soup { vertex_count, faces, polygons: polygons(faces), sound };
 
         let buckets = Buckets::new(&soup);
-        let edges_sound = buckets.are_sound();
-        let twin = if edges_sound {
+        let twin = if soup.sound.is_empty() && buckets.are_sound() {
             soup.twins(&buckets)
         } else {
             defects.extend(buckets.defects(&soup));
@@ -98,7 +97,8 @@ impl Topology {
         let mut fan_count = alloc::vec![0; split.len()];
         let mut seen = alloc::vec![false; self.origin.len()];
         for h in self.halfedges() {
-            let i = which[self.origin[h.index()] as usize];
+            // A face that is not sound itself may list any vertex.
+            let i = which.get(self.origin[h.index()] as usize).copied().unwrap_or(NONE);
             if i == NONE || seen[h.index()] {
                 continue;
             }

@@ -136,6 +136,9 @@ pub fn random_mesh(seed: u64, splits: usize, holes: usize) -> Mesh {
     }
     // Cut faces out one by one, wherever that leaves a manifold.
     for _ in 0..holes {
+        if list.len() < 2 {
+            break;
+        }
         let f = random(list.len());
         let mut fewer = list.clone();
         fewer.swap_remove(f);
