@@ -146,13 +146,7 @@ fn fill_rows_from<T: Send, U: Send>(
     let (b0, b1) = b.split_at_mut(cut);
     let lower = || fill_rows_from(first, &start[..=middle], a0, b0, f);
     let upper = || fill_rows_from(first + middle, &start[middle..], a1, b1, f);
-    #[cfg(feature = "parallel")]
-    rayon::join(lower, upper);
-    #[cfg(not(feature = "parallel"))]
-    {
-        lower();
-        upper();
-    }
+    join(lower, upper);
 }
 
 /// Runs two closures, at once if there are threads.

@@ -1,0 +1,375 @@
+//! The command line.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::{Parser, Subcommand, ValueEnum};
+use fairform::interpolate::{Method, Norm};
+use fairform::{Corners, Scheme};
+use fairform_io::Format;
+use fairform_render::View;
+
+/// Smooth subdivision surfaces through exactly the points you give.
+///
+/// Meshes are OBJ, OFF, PLY, STL, glTF or GLB, each also gzip-compressed, told apart by the file
+/// name; `-` is standard input or output. Vertex i of the input stays vertex i of the output.
+#[derive(Parser, Debug)]
+#[command(name = "fairform", version, propagate_version = true, max_term_width = 100)]
+#[command(after_help = "Exit codes: 0 done; 1 bad input, or not converged; 2 wrong usage; \
+    130 interrupted.\n\nExamples:\n  \
+    fairform fit                               a sample: surface and picture\n  \
+    fairform fit bunny.obj -o surface.ply      a surface through every vertex\n  \
+    fairform info bunny.obj                    what is in a file, and what is wrong with it\n  \
+    fairform render surface.ply -o surface.png")]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    /// Say nothing but errors.
+    #[arg(short, long, global = true)]
+    pub(crate) quiet: bool,
+    /// Say more.
+    #[arg(short, long, global = true)]
+    pub(crate) verbose: bool,
+    /// Print the result as JSON on standard output.
+    #[arg(long, global = true)]
+    pub(crate) json: bool,
+    /// Number of threads; the result is the same for any. Default: one per core.
+    #[arg(long, global = true, value_name = "N")]
+    pub(crate) threads: Option<NonZeroUsize>,
+}
+
+#[derive(Subcommand, Debug)]
+pub(crate) enum Command {
+    Fit(Fit),
+    Refine(Refine),
+    Limit(Limit),
+    Info(Info),
+    Convert(Convert),
+    Repair(Repair),
+    Render(Render),
+    /// Print a completion script for a shell.
+    ///
+    /// For bash: fairform completions bash > ~/.local/share/bash-completion/completions/fairform
+    Completions {
+        /// The shell.
+        shell: clap_complete::Shell,
+    },
+}
+
+/// Find the surface that passes through every vertex of a mesh.
+///
+/// Finds the control mesh whose limit surface interpolates, refines it, and writes the result.
+/// Without IN, a sample is fitted, and a picture of mesh and surface is drawn too.
+#[derive(clap::Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    fairform fit\n  \
+    fairform fit bunny.obj -o surface.ply --limit\n  \
+    fairform fit scan.ply -o surface.glb --tolerance 1e-9 --report report.json --plot error.svg\n  \
+    fairform fit cage.obj -o control.obj --levels 0 --method plain --iterations 10\n  \
+    cat bunny.off | fairform fit - --from off -o - --to ply > surface.ply")]
+pub(crate) struct Fit {
+    #[command(flatten)]
+    pub(crate) input: MaybeInput,
+    /// Where to write the surface.
+    #[arg(short, long, value_name = "SURFACE")]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) writing: Writing,
+    #[command(flatten)]
+    pub(crate) rules: Rules,
+    /// Solver; all have the same answer. `auto` is the fastest that is safe on any mesh, `plain` the
+    /// process as published.
+    #[arg(long, default_value_t = Method::Auto, value_name = "auto|plain|weighted|chebyshev|cg")]
+    pub(crate) method: Method,
+    /// Largest distance from a vertex to its limit point [default: 1e-6, unless --iterations is
+    /// given].
+    #[arg(long, value_name = "X", value_parser = positive)]
+    pub(crate) tolerance: Option<f64>,
+    /// What distances are divided by: the diagonal of the bounding box, its longest side, or nothing.
+    #[arg(long, default_value_t = Norm::Diagonal, value_name = "diagonal|longest-side|absolute")]
+    pub(crate) norm: Norm,
+    /// Make exactly so many updates, or with --tolerance at most so many.
+    #[arg(long, value_name = "K")]
+    pub(crate) iterations: Option<u32>,
+    /// Refinement steps of the surface; 0 writes the control mesh.
+    #[arg(long, default_value_t = 3, value_name = "N")]
+    pub(crate) levels: u32,
+    /// Move the refined vertices onto the limit surface, and write exact normals.
+    #[arg(long)]
+    pub(crate) limit: bool,
+    /// Also write the control mesh.
+    #[arg(long, value_name = "CONTROL")]
+    pub(crate) control: Option<PathBuf>,
+    /// Also write what happened as JSON.
+    #[arg(long, value_name = "R.json")]
+    pub(crate) report: Option<PathBuf>,
+    /// Also plot the error of every iteration.
+    #[arg(long, value_name = "P.svg")]
+    pub(crate) plot: Option<PathBuf>,
+}
+
+/// Refine a mesh by a subdivision scheme.
+///
+/// Vertices and faces come in the canonical order: old vertices first, then those on edges; the
+/// children of a face one after the other. Colours, normals and texture coordinates follow.
+#[derive(clap::Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    fairform refine control.obj -o fine.obj --levels 2\n  \
+    fairform refine control.obj -o limit.ply --levels 3 --limit")]
+pub(crate) struct Refine {
+    #[command(flatten)]
+    pub(crate) input: Input,
+    /// Where to write the result.
+    #[arg(short, long, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) writing: Writing,
+    #[command(flatten)]
+    pub(crate) rules: Rules,
+    /// Refinement steps.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub(crate) levels: u32,
+    /// Move the vertices onto the limit surface, and write exact normals.
+    #[arg(long)]
+    pub(crate) limit: bool,
+}
+
+/// Limit point and normal of every vertex of a control mesh.
+///
+/// Written as JSON {"points": […], "normals": […]} if OUT ends in .json, otherwise as the mesh with
+/// its vertices at their limit points.
+#[derive(clap::Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    fairform limit control.obj -o limit.json\n  \
+    fairform limit control.obj -o limit.obj")]
+pub(crate) struct Limit {
+    #[command(flatten)]
+    pub(crate) input: Input,
+    /// Where to write the result.
+    #[arg(short, long, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) writing: Writing,
+    #[command(flatten)]
+    pub(crate) rules: Rules,
+}
+
+/// Say what is in a mesh file, and what is wrong with it.
+#[derive(clap::Args, Debug)]
+#[command(after_help = "Examples:\n  fairform info bunny.obj\n  fairform info scan.ply.gz --json")]
+pub(crate) struct Info {
+    #[command(flatten)]
+    pub(crate) input: Input,
+}
+
+/// Write a mesh in another format.
+///
+/// Polygons, colours, normals, texture coordinates, groups and materials are kept where the format
+/// has them; what it has not is said.
+#[derive(clap::Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    fairform convert part.stl -o part.obj\n  \
+    fairform convert bunny.obj -o bunny.ply.gz")]
+pub(crate) struct Convert {
+    #[command(flatten)]
+    pub(crate) input: Input,
+    /// Where to write the mesh.
+    #[arg(short, long, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) writing: Writing,
+}
+
+/// Mend a mesh, step by step as asked for, and say what was done.
+///
+/// The steps are made in the order in which they stand here, whatever their order on the command
+/// line.
+#[derive(clap::Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    fairform repair scan.ply -o clean.ply --weld 0 --orient --split\n  \
+    fairform repair quads.obj -o triangles.obj --triangulate\n  \
+    fairform repair broken.off -o sound.off --all")]
+pub(crate) struct Repair {
+    #[command(flatten)]
+    pub(crate) input: Input,
+    /// Where to write the mended mesh.
+    #[arg(short, long, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) writing: Writing,
+    /// Join vertices that are not farther apart than this; 0 joins equal positions only.
+    #[arg(long, value_name = "EPS", value_parser = not_negative)]
+    pub(crate) weld: Option<f64>,
+    /// Drop faces with too few or repeated corners, or with vertices that do not exist.
+    #[arg(long)]
+    pub(crate) drop_degenerate: bool,
+    /// Keep one of several faces with the same corners.
+    #[arg(long)]
+    pub(crate) drop_duplicates: bool,
+    /// Turn faces so that neighbours agree.
+    #[arg(long)]
+    pub(crate) orient: bool,
+    /// Turn closed surfaces that are inside out.
+    #[arg(long)]
+    pub(crate) outward: bool,
+    /// Give each fan of faces its own vertex where several meet in one, and part edges with more than
+    /// two faces.
+    #[arg(long)]
+    pub(crate) split: bool,
+    /// Close boundary loops of at most so many edges with triangles.
+    #[arg(long, value_name = "EDGES")]
+    pub(crate) fill_holes: Option<usize>,
+    /// Cut polygons into triangles.
+    #[arg(long)]
+    pub(crate) triangulate: bool,
+    /// Drop vertices without a face.
+    #[arg(long)]
+    pub(crate) drop_isolated: bool,
+    /// All that makes a manifold: --weld 0 --drop-degenerate --drop-duplicates --orient --split
+    /// --drop-isolated.
+    #[arg(long)]
+    pub(crate) all: bool,
+}
+
+/// Draw meshes side by side, without a window.
+#[derive(clap::Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    fairform render surface.ply -o surface.png\n  \
+    fairform render bunny.obj surface.ply -o both.png --size 1600x800 --wireframe --view front\n  \
+    fairform render part.stl -o part.png --view 120,15,z --flat")]
+pub(crate) struct Render {
+    /// Meshes to draw, one panel each.
+    #[arg(required = true, value_name = "IN")]
+    pub(crate) inputs: Vec<PathBuf>,
+    /// Format of the input files, if their names do not say.
+    #[arg(long, value_name = "FORMAT")]
+    pub(crate) from: Option<Format>,
+    /// Where to write the picture.
+    #[arg(short, long, value_name = "PICTURE.png")]
+    pub(crate) output: PathBuf,
+    /// Width and height in pixels.
+    #[arg(long, default_value = "1200x900", value_name = "WxH", value_parser = size)]
+    pub(crate) size: (u32, u32),
+    /// front, back, left, right, top, bottom, iso, or AZIMUTH,ELEVATION in degrees; with ",z" if z is
+    /// up.
+    #[arg(long, default_value = "iso", allow_hyphen_values = true)]
+    pub(crate) view: View,
+    /// Magnify.
+    #[arg(long, default_value_t = 1.0, value_parser = positive)]
+    pub(crate) zoom: f64,
+    /// Draw the edges.
+    #[arg(long)]
+    pub(crate) wireframe: bool,
+    /// Draw the vertices.
+    #[arg(long)]
+    pub(crate) points: bool,
+    /// Draw the boundary in red.
+    #[arg(long)]
+    pub(crate) boundary: bool,
+    /// One shade per face.
+    #[arg(long)]
+    pub(crate) flat: bool,
+    /// A line of text below each panel, in order; repeat it for each.
+    #[arg(long, value_name = "TEXT")]
+    pub(crate) title: Vec<String>,
+    /// Leave the background transparent.
+    #[arg(long)]
+    pub(crate) transparent: bool,
+    /// Fit the camera to each panel alone, not to all of them.
+    #[arg(long)]
+    pub(crate) separate: bool,
+}
+
+/// A mesh to read.
+#[derive(clap::Args, Debug)]
+pub(crate) struct Input {
+    /// The mesh to read; - is standard input.
+    #[arg(value_name = "IN")]
+    pub(crate) input: PathBuf,
+    /// Format of the input, if its name does not say: obj, off, ply, stl, gltf, glb.
+    #[arg(long, value_name = "FORMAT")]
+    pub(crate) from: Option<Format>,
+}
+
+/// A mesh to read, or the sample.
+#[derive(clap::Args, Debug)]
+#[group(skip)]
+pub(crate) struct MaybeInput {
+    /// The mesh to read; - is standard input. Without it, a sample.
+    #[arg(value_name = "IN", requires = "output")]
+    pub(crate) input: Option<PathBuf>,
+    /// Format of the input, if its name does not say: obj, off, ply, stl, gltf, glb.
+    #[arg(long, value_name = "FORMAT")]
+    pub(crate) from: Option<Format>,
+}
+
+/// How to write a mesh.
+#[derive(clap::Args, Debug)]
+pub(crate) struct Writing {
+    /// Format of the output, if its name does not say: obj, off, ply, stl, gltf, glb.
+    #[arg(long, value_name = "FORMAT")]
+    pub(crate) to: Option<Format>,
+    /// Write PLY and STL as text.
+    #[arg(long)]
+    pub(crate) ascii: bool,
+    /// Round numbers to 32 bits where the format has a choice.
+    #[arg(long)]
+    pub(crate) single: bool,
+}
+
+/// The subdivision rules.
+#[derive(clap::Args, Debug)]
+pub(crate) struct Rules {
+    /// Subdivision scheme.
+    #[arg(long, default_value_t = Scheme::Loop, value_name = "loop")]
+    pub(crate) scheme: Scheme,
+    /// Boundary vertices with one face: rounded like others, or kept.
+    #[arg(long, value_enum, default_value_t = CornerChoice::Smooth)]
+    pub(crate) corners: CornerChoice,
+}
+
+impl Rules {
+    pub(crate) fn corners(&self) -> Corners {
+        match self.corners {
+            CornerChoice::Smooth => Corners::Smooth,
+            CornerChoice::Sharp => Corners::Sharp,
+        }
+    }
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug)]
+pub(crate) enum CornerChoice {
+    Smooth,
+    Sharp,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    number(text, |x| x > 0.0, "a positive number")
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    number(text, |x| x >= 0.0, "a number that is not negative")
+}
+
+fn number(text: &str, ok: fn(f64) -> bool, expected: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|x: &f64| x.is_finite() && ok(*x));
+    number.ok_or_else(|| format!("expected {expected}"))
+}
+
+fn size(text: &str) -> Result<(u32, u32), String> {
+    let parse = || {
+        let (w, h) = text.split_once(['x', 'X', '×'])?;
+        Some((w.trim().parse().ok()?, h.trim().parse().ok()?))
+    };
+    parse().ok_or_else(|| "expected WIDTHxHEIGHT, for example 1200x900".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        super::Args::command().debug_assert();
+    }
+}

@@ -1,0 +1,294 @@
+//! `fairform fit`, the main job.
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use fairform::interpolate::{FitReport, Interpolator, Options, StageName};
+use fairform::solve::{Outcome, Step};
+use fairform::{Mesh, Topology};
+use fairform_io::{Format, MeshData};
+use fairform_render::{Body, Colour, Dot, Line, Panel, Series, View};
+use serde_json::{Value, json};
+
+use super::info::coincident;
+use crate::args::Fit;
+use crate::console::{Console, count};
+use crate::failure::{Failure, in_file};
+use crate::input;
+use crate::surface::{Surface, check_memory};
+
+/// The sample that is fitted when there is no input.
+const SAMPLE: &[u8] = include_bytes!("../../../../data/sample/spot.obj");
+const SAMPLE_SURFACE: &str = "fairform-sample.ply";
+const SAMPLE_PICTURE: &str = "fairform-sample.png";
+
+pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
+    let output = args.output.clone().unwrap_or_else(|| PathBuf::from(SAMPLE_SURFACE));
+    let outputs = [Some(&output), args.control.as_ref()];
+    for path in outputs.into_iter().flatten() {
+        input::check_output(path, &args.writing)?;
+    }
+    if console.json() && outputs.into_iter().flatten().any(|path| input::is_dash(path)) {
+        return Err(Failure::new("--json and `-o -` both want standard output"));
+    }
+
+    let mut clock = Clock::start();
+    let progress = console.progress();
+    progress.say("reading");
+    let (data, name) = match &args.input.input {
+        Some(path) => (input::read_file(path, args.input.from, console)?, input::name(path)),
+        None => (sample()?, "the sample".into()),
+    };
+    let target = Surface::new(data, &name)?;
+    clock.lap("read");
+    let (scheme, corners) = (args.rules.scheme, args.rules.corners());
+    check_memory(&target.mesh, scheme, args.levels, &name)?;
+    warn_of_seams(&target.mesh, &name, console);
+
+    progress.say("preparing");
+    let at = |e| in_file(&name, &e);
+    let topology = target.mesh.topology().clone();
+    let interpolator = Interpolator::new(&topology, scheme, corners).map_err(at)?;
+    clock.lap("prepare");
+    let options = options(args);
+    let mut observe = |stage: StageName, step: Step| {
+        progress.say(format!("{stage}: {} updates, largest error {:.2e}", step.updates, step.max));
+        ControlFlow::Continue(())
+    };
+    let (points, report) =
+        interpolator.fit(target.mesh.positions(), &options, &mut observe).map_err(at)?;
+    let had_normals = target.normals.is_some();
+    let mut control = target.clone();
+    control.mesh = target.mesh.with_positions(points);
+    control.fit_fields(&interpolator, &options).map_err(at)?;
+    clock.lap("solve");
+
+    let mut surface = control.refine(scheme, corners, args.levels, &progress).map_err(at)?;
+    if args.limit || args.output.is_none() {
+        surface.to_limit(scheme, corners).map_err(at)?;
+    } else if had_normals {
+        surface.limit_normals(scheme, corners).map_err(at)?;
+    }
+    clock.lap("refine");
+
+    progress.say("writing");
+    if let Some(path) = &args.control {
+        input::write(path, &args.writing, &control.into_data(), console)?;
+    }
+    let data = surface.into_data();
+    input::write(&output, &args.writing, &data, console)?;
+    if args.output.is_none() {
+        let picture = picture(&target.mesh, &data)?;
+        input::save(Path::new(SAMPLE_PICTURE), &picture)?;
+    }
+    clock.lap("write");
+    drop(progress);
+
+    let summary = summary(args, &options, &topology, &data, &report, &clock);
+    if let Some(path) = &args.report {
+        input::save(path, format!("{summary:#}\n").as_bytes())?;
+    }
+    if let Some(path) = &args.plot {
+        input::save(path, plot(&report, &options).as_bytes())?;
+    }
+    tell(args, &output, &data, &report, &clock, console);
+    console.result(&summary)?;
+    Ok(if report.is_converged() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+fn sample() -> Result<MeshData, Failure> {
+    fairform_io::parse(SAMPLE, Format::Obj).map_err(|e| Failure::new(format!("the sample: {e}")))
+}
+
+fn options(args: &Fit) -> Options {
+    let usual = Options::default();
+    Options {
+        scheme: args.rules.scheme,
+        corners: args.rules.corners(),
+        method: args.method,
+        norm: args.norm,
+        // A count alone is to be made exactly.
+        tolerance: match (args.tolerance, args.iterations) {
+            (None, None) => usual.tolerance,
+            (given, _) => given,
+        },
+        iterations: args.iterations.unwrap_or(usual.iterations),
+    }
+}
+
+/// Vertices that were split, by texture seams say, leave gaps in the surface.
+fn warn_of_seams(mesh: &Mesh, name: &str, console: &Console) {
+    if mesh.topology().is_closed() {
+        return;
+    }
+    let seams = coincident(mesh.positions());
+    if seams > 0 {
+        console.note(format!(
+            "warning: {name}: {} vertices lie exactly on others, so the surface may gape there; \
+             `fairform repair --weld 0` joins them",
+            count(seams)
+        ));
+    }
+}
+
+fn outcome(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Converged => "converged",
+        Outcome::CountReached => "count reached",
+        Outcome::TooManyUpdates => "not converged within the iterations",
+        Outcome::Stalled => "stalled at the limit of rounding",
+    }
+}
+
+fn tell(
+    args: &Fit,
+    output: &Path,
+    data: &MeshData,
+    report: &FitReport,
+    clock: &Clock,
+    console: &Console,
+) {
+    for stage in &report.stages {
+        let (last, solve) = (stage.solve.last(), &stage.solve);
+        let predicted = solve.predicted.map_or(String::new(), |k| format!(" (at most {k} expected)"));
+        console.note(format!(
+            "{}: {} vertices, {} iterations{predicted}, {}; error max {:.3e}, mean {:.3e}",
+            stage.name,
+            count(stage.vertex_count),
+            last.updates,
+            outcome(solve.outcome),
+            last.max,
+            last.mean
+        ));
+    }
+    for (phase, seconds) in &clock.laps {
+        console.detail(format!("{phase}: {seconds:.3} s"));
+    }
+    if !input::is_dash(output) {
+        let (vertices, faces) = (count(data.positions.len()), count(data.faces.len()));
+        console.note(format!("{}: {vertices} vertices, {faces} faces", output.display()));
+    }
+    if args.output.is_none() {
+        console.note(format!(
+            "{SAMPLE_PICTURE}: the given mesh, and the surface through its vertices. Open it."
+        ));
+    }
+    if !report.is_converged() {
+        let wanted = args.tolerance.unwrap_or(1e-6);
+        console.note(format!(
+            "warning: not converged: the largest error is {:.3e} ({}), not {wanted:e}; allow more \
+             --iterations or a larger --tolerance",
+            report.max, args.norm
+        ));
+    }
+}
+
+fn summary(
+    args: &Fit,
+    options: &Options,
+    topology: &Topology,
+    data: &MeshData,
+    report: &FitReport,
+    clock: &Clock,
+) -> Value {
+    let stages: Vec<Value> = report
+        .stages
+        .iter()
+        .map(|stage| {
+            let solve = &stage.solve;
+            json!({
+                "name": stage.name.name(),
+                "vertices": stage.vertex_count,
+                "iterations": solve.last().updates,
+                "predicted_iterations": solve.predicted,
+                "outcome": outcome(solve.outcome),
+                "history": solve.history.iter()
+                    .map(|s| json!([s.updates, s.max, s.mean])).collect::<Vec<_>>(),
+            })
+        })
+        .collect();
+    json!({
+        "scheme": options.scheme.name(),
+        "corners": format!("{:?}", options.corners).to_lowercase(),
+        "method": options.method.name(),
+        "norm": options.norm.name(),
+        "unit": report.unit,
+        "tolerance": options.tolerance,
+        "levels": args.levels,
+        "stages": stages,
+        "max": report.max,
+        "mean": report.mean,
+        "converged": report.is_converged(),
+        "counts": {
+            "input": {
+                "vertices": topology.vertex_count(),
+                "faces": topology.face_count(),
+                "edges": topology.edge_count(),
+                "boundary_loops": topology.boundary_loops().len(),
+                "isolated_vertices": topology.isolated_count(),
+            },
+            "output": { "vertices": data.positions.len(), "faces": data.faces.len() },
+        },
+        "seconds": clock.laps.iter().map(|&(phase, s)| (phase.to_string(), json!(s)))
+            .collect::<serde_json::Map<_, _>>(),
+    })
+}
+
+fn plot(report: &FitReport, options: &Options) -> String {
+    let mut series = Vec::new();
+    for stage in &report.stages {
+        let history = &stage.solve.history;
+        let pick = |f: fn(&Step) -> f64| {
+            history.iter().map(|s| (f64::from(s.updates), f(s))).collect::<Vec<_>>()
+        };
+        let name = |what: &str| format!("{}, {what}", stage.name);
+        series.push(Series { name: name("max"), points: pick(|s| s.max), dashed: false });
+        series.push(Series { name: name("mean"), points: pick(|s| s.mean), dashed: true });
+    }
+    let title = format!("Progressive interpolation: {}, {}", options.scheme, options.method);
+    let y = format!("distance to the vertices ({})", options.norm);
+    fairform_render::plot_svg(&series, &title, "iterations", &y, true)
+}
+
+/// The given mesh and the surface side by side.
+fn picture(target: &Mesh, surface: &MeshData) -> Result<Vec<u8>, Failure> {
+    let faces = target.topology().to_faces();
+    let dot = Dot::default();
+    let mut given = Body::new(target.positions(), &faces);
+    given.style.smooth = false;
+    given.style.wireframe = Some(Line::default());
+    given.style.points = Some(dot);
+    let mut smooth = Body::new(&surface.positions, &surface.faces);
+    smooth.normals = surface.normals.as_deref();
+    // The same points on the surface show that it passes through them.
+    let none = fairform::Faces::new();
+    let mut points = Body::new(target.positions(), &none);
+    points.style.fill = None;
+    points.style.points = Some(Dot { colour: Colour::RED, ..dot });
+    let panels = [
+        Panel { bodies: vec![given], title: Some("the mesh".into()) },
+        Panel { bodies: vec![smooth, points], title: Some("the surface through its vertices".into()) },
+    ];
+    let options = fairform_render::Options::default();
+    let picture = fairform_render::render(&panels, &View::default(), (1800, 1000), &options)?;
+    Ok(picture.to_png())
+}
+
+/// Seconds by phase.
+struct Clock {
+    since: Instant,
+    laps: Vec<(&'static str, f64)>,
+}
+
+impl Clock {
+    fn start() -> Self {
+        Self { since: Instant::now(), laps: Vec::new() }
+    }
+
+    fn lap(&mut self, phase: &'static str) {
+        self.laps.push((phase, self.since.elapsed().as_secs_f64()));
+        self.since = Instant::now();
+    }
+}

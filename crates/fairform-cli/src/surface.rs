@@ -1,0 +1,216 @@
+//! A mesh with everything that travels along when it is refined.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use fairform::interpolate::{Interpolator, Norm, Options};
+use fairform::refine::{self, Refined};
+use fairform::{Corners, Mesh, Scheme, Vec3, limit};
+use fairform_io::{Labels, MeshData};
+
+use crate::console::{Progress, count};
+use crate::failure::{Failure, in_file};
+
+/// A mesh, values per vertex, and labels of its faces.
+#[derive(Debug, Clone)]
+pub(crate) struct Surface {
+    pub(crate) mesh: Mesh,
+    /// Red, green, blue.
+    colours: Option<Vec<Vec3>>,
+    /// Opacity in the first place.
+    opacity: Option<Vec<Vec3>>,
+    /// Texture coordinates in the first two places.
+    uvs: Option<Vec<Vec3>>,
+    pub(crate) normals: Option<Vec<Vec3>>,
+    corner_uvs: Option<Vec<Vec3>>,
+    groups: Option<Labels>,
+    materials: Option<Labels>,
+    material_library: Option<String>,
+}
+
+impl Surface {
+    /// Checks the faces and coordinates of a file.
+    pub(crate) fn new(data: MeshData, name: &str) -> Result<Self, Failure> {
+        let mesh = Mesh::new(data.positions, &data.faces).map_err(|e| in_file(name, &e))?;
+        let uv = |uvs: Vec<[f64; 2]>| -> Vec<Vec3> {
+            uvs.into_iter().map(|[u, v]| Vec3::new(u, v, 0.0)).collect()
+        };
+        let finite = |values: &Vec<Vec3>| values.iter().all(|v| v.is_finite());
+        let opacity = data
+            .colours
+            .as_ref()
+            .filter(|colours| colours.iter().any(|c| c[3] != 1.0))
+            .map(|colours| colours.iter().map(|c| Vec3::new(c[3], 0.0, 0.0)).collect());
+        let colours = data
+            .colours
+            .map(|colours| colours.iter().map(|&[r, g, b, _]| Vec3::new(r, g, b)).collect());
+        Ok(Self {
+            mesh,
+            colours: colours.filter(finite),
+            opacity: opacity.filter(finite),
+            uvs: data.uvs.map(uv).filter(finite),
+            normals: data.normals.filter(finite),
+            corner_uvs: data.corner_uvs.map(uv),
+            groups: data.groups,
+            materials: data.materials,
+            material_library: data.material_library,
+        })
+    }
+
+    fn fields(&mut self) -> impl Iterator<Item = &mut Vec<Vec3>> {
+        [&mut self.colours, &mut self.opacity, &mut self.uvs].into_iter().flatten()
+    }
+
+    /// Finds the control values of colours and texture coordinates, so that these pass through the
+    /// given ones as the surface does through the vertices.
+    pub(crate) fn fit_fields(
+        &mut self,
+        interpolator: &Interpolator<'_>,
+        options: &Options,
+    ) -> Result<(), fairform::Error> {
+        // Their units are not those of the positions.
+        let norm = if options.norm == Norm::Absolute { Norm::Diagonal } else { options.norm };
+        let options = Options { norm, ..*options };
+        for field in self.fields() {
+            let mut go_on = |_, _| ControlFlow::Continue(());
+            *field = interpolator.fit(field, &options, &mut go_on)?.0;
+        }
+        // Normals describe the surface that was given; the new one has its own.
+        self.normals = None;
+        Ok(())
+    }
+
+    pub(crate) fn refine(
+        &self,
+        scheme: Scheme,
+        corners: Corners,
+        levels: u32,
+        progress: &Progress,
+    ) -> Result<Self, fairform::Error> {
+        let mut surface = self.clone();
+        for level in 1..=levels {
+            let size = refine::check_size(surface.mesh.topology(), scheme, 1)?;
+            let vertices = count(usize::try_from(size.vertex_count).unwrap_or(usize::MAX));
+            progress.say(format!("refining: level {level} of {levels}, {vertices} vertices"));
+            let coarse = Arc::clone(surface.mesh.topology());
+            let step = refine::refine(&coarse, scheme, corners)?;
+            surface.step(step);
+        }
+        if levels > 0
+            && let Some(normals) = &mut surface.normals
+        {
+            normals.iter_mut().for_each(|n| *n = n.normalized());
+        }
+        Ok(surface)
+    }
+
+    fn step(&mut self, step: Refined<'_>) {
+        for field in self.fields() {
+            *field = step.apply(field);
+        }
+        if let Some(normals) = &mut self.normals {
+            *normals = step.apply(normals);
+        }
+        if let Some(uvs) = &mut self.corner_uvs {
+            *uvs = step.apply_to_corners(uvs);
+        }
+        for labels in [&mut self.groups, &mut self.materials].into_iter().flatten() {
+            let parent = |f| labels.of_face[step.parent(f).index()];
+            labels.of_face = step.topology.faces().map(parent).collect();
+        }
+        let positions = step.apply(self.mesh.positions());
+        self.mesh = Mesh::from_parts(Arc::new(step.topology), positions);
+    }
+
+    /// Moves everything to the limit, with exact normals.
+    pub(crate) fn to_limit(
+        &mut self,
+        scheme: Scheme,
+        corners: Corners,
+    ) -> Result<(), fairform::Error> {
+        self.limit_normals(scheme, corners)?;
+        let topology = Arc::clone(self.mesh.topology());
+        for field in self.fields() {
+            *field = limit::limit_points(&topology, field, scheme, corners)?;
+        }
+        let points = limit::limit_points(&topology, self.mesh.positions(), scheme, corners)?;
+        self.mesh = self.mesh.with_positions(points);
+        Ok(())
+    }
+
+    /// The normals of the limit surface, at the vertices as they are.
+    pub(crate) fn limit_normals(
+        &mut self,
+        scheme: Scheme,
+        corners: Corners,
+    ) -> Result<(), fairform::Error> {
+        let (topology, points) = (self.mesh.topology(), self.mesh.positions());
+        self.normals = Some(limit::limit_normals(topology, points, scheme, corners)?);
+        Ok(())
+    }
+
+    /// What a file can hold.
+    pub(crate) fn into_data(self) -> MeshData {
+        let uv = |uvs: Vec<Vec3>| uvs.into_iter().map(|v| [v.x, v.y]).collect();
+        let opacity = self.opacity;
+        let colours = self.colours.map(|colours| {
+            let channel = |x: f64| x.clamp(0.0, 1.0);
+            let with_opacity = |(i, c): (usize, Vec3)| {
+                let a = opacity.as_ref().map_or(1.0, |o| channel(o[i].x));
+                [channel(c.x), channel(c.y), channel(c.z), a]
+            };
+            colours.into_iter().enumerate().map(with_opacity).collect()
+        });
+        MeshData {
+            faces: self.mesh.topology().to_faces(),
+            positions: self.mesh.into_positions(),
+            normals: self.normals,
+            colours,
+            uvs: self.uvs.map(uv),
+            corner_uvs: self.corner_uvs.map(uv),
+            groups: self.groups,
+            materials: self.materials,
+            material_library: self.material_library,
+            notes: Vec::new(),
+        }
+    }
+}
+
+/// Refuses what would not fit into memory, before it is begun.
+pub(crate) fn check_memory(
+    mesh: &Mesh,
+    scheme: Scheme,
+    levels: u32,
+    name: &str,
+) -> Result<(), Failure> {
+    let too_much = |what: String| {
+        Failure::new(format!("{name}: {levels} levels would make {what}"))
+            .help("use fewer --levels; each makes four times as many faces")
+    };
+    let size = match refine::check_size(mesh.topology(), scheme, levels) {
+        Ok(size) => size,
+        Err(fairform::Error::TooLarge { .. }) => {
+            return Err(too_much("more than two thousand million half-edges".into()));
+        }
+        Err(other) => return Err(in_file(name, &other)),
+    };
+    // Topology, positions, normals and the copy that is written, generously.
+    let bytes = size.halfedge_count * 24 + size.vertex_count * 160;
+    match available_memory() {
+        Some(available) if bytes > available => Err(too_much(format!(
+            "{} faces, which takes about {:.1} GB; {:.1} GB are free",
+            count(usize::try_from(size.face_count).unwrap_or(usize::MAX)),
+            bytes as f64 / 1e9,
+            available as f64 / 1e9
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Free memory in bytes, where the system tells it as a file.
+fn available_memory() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(1024 * kilobytes)
+}
