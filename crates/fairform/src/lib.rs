@@ -5,6 +5,7 @@ extern crate alloc;
 
 pub mod faces;
 pub mod ids;
+pub mod repair;
 pub mod vec3;
 
 pub use faces::Faces;
