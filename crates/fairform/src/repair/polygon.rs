@@ -7,18 +7,27 @@ use crate::Vec3;
 
 /// The points moved and scaled into a box of about unit size, so that no product of theirs leaves
 /// the range; all zero where a coordinate is not finite or all are equal.
+///
+/// The factor is a power of two, so that straight sides stay straight.
 pub(super) fn unit_points(points: impl Iterator<Item = Vec3> + Clone) -> Vec<Vec3> {
     let largest = points.clone().map(Vec3::max_abs).fold(0.0, f64::max);
     if largest == 0.0 || !points.clone().all(Vec3::is_finite) {
         return points.map(|_| Vec3::ZERO).collect();
     }
-    let mut unit: Vec<Vec3> = points.map(|p| p / largest).collect();
+    let mut unit: Vec<Vec3> = points.map(|p| shrink(p, largest)).collect();
     let first = unit[0];
     let reach = unit.iter().fold(0.0, |reach, &p| f64::max(reach, (p - first).max_abs()));
     for p in &mut unit {
-        *p = if reach > 0.0 { (*p - first) / reach } else { Vec3::ZERO };
+        *p = shrink(*p - first, reach);
     }
     unit
+}
+
+/// A vector over the power of two next above `size`.
+fn shrink(v: Vec3, size: f64) -> Vec3 {
+    let exponent = libm::frexp(size).1;
+    let shrink = |x: f64| libm::scalbn(x, -exponent);
+    Vec3::new(shrink(v.x), shrink(v.y), shrink(v.z))
 }
 
 /// Twice the area vector of a closed polygon (Newell's sum of cross products).
@@ -48,6 +57,10 @@ pub(super) enum Clipped {
     /// No choice of diagonals was found.
     Stuck,
 }
+
+/// A triangle in the unit box turns by more than this, twice its area, unless it is flat up to
+/// rounding.
+const FLAT: f64 = 1e-15;
 
 /// Tests after which a polygon of `n` corners gets a fan: a bound on the time for huge polygons.
 fn patience(n: usize) -> usize {
@@ -98,7 +111,7 @@ pub(super) fn clip_ears(
     }
     let last = [ring.before[at as usize], at, ring.after[at as usize]];
     out.push(last);
-    if ring.turn(last) > 0.0 { result } else { Clipped::Rough }
+    if ring.turn(last) > FLAT { result } else { Clipped::Rough }
 }
 
 /// The corners of a polygon that are left, in its plane.
@@ -136,7 +149,7 @@ impl Ring {
     }
 
     fn look_at(&mut self, i: u32) {
-        let dent = self.turn([self.before[i as usize], i, self.after[i as usize]]) <= 0.0;
+        let dent = self.turn([self.before[i as usize], i, self.after[i as usize]]) <= FLAT;
         if dent && !self.is_dent[i as usize] {
             self.dents.push(i);
         }
@@ -155,7 +168,7 @@ impl Ring {
     fn has(&mut self, shape: Shape, i: u32) -> bool {
         let corners = [self.before[i as usize], i, self.after[i as usize]];
         match shape {
-            Shape::Ear => self.turn(corners) > 0.0 && self.is_empty(corners, |t| t >= 0.0),
+            Shape::Ear => self.turn(corners) > FLAT && self.is_empty(corners, |t| t >= -FLAT),
             Shape::FlatEar => self.turn(corners) >= 0.0 && self.is_empty(corners, |t| t > 0.0),
             Shape::Any => true,
         }
