@@ -209,8 +209,6 @@ impl Pieces {
         sides.sort_unstable();
         self.found.clear();
         self.found.extend(ears.iter().map(|ear| ear.map(|i| corners[i as usize]).to_vec()));
-        clipped == Clipped::Neat
-            && sides.iter().all(|[a, b]| a != b)
-            && sides.windows(2).all(|w| w[0] != w[1])
+        clipped == Clipped::Neat && sides.windows(2).all(|w| w[0] != w[1])
     }
 }
