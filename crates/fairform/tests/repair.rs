@@ -841,11 +841,21 @@ fn a_hole_never_doubles_an_edge() {
     }
 }
 
+/// The walk that turns faces may not depend on how they are turned.
+#[test]
+fn orienting_a_one_sided_tangle_twice_is_orienting_it_once() {
+    let mut tangle = soup(5, &[&[1, 0, 2], &[2, 4, 0], &[1, 3, 2], &[4, 1, 0, 3], &[3, 4, 2]]);
+    let _ = tangle.orient();
+    assert!(!tangle.orient().changed());
+}
+
 /// A strip bent around until its ends share a vertex has one rim, which is no simple polygon.
 #[test]
 fn a_rim_that_meets_itself_stays_open() {
-    let mut strip = soup(5, &[&[0, 1, 2], &[2, 1, 3], &[2, 3, 4], &[4, 3, 0]]);
-    let report = strip.fill_holes(9);
+    let faces = (0..8).map(|i| if i % 2 == 0 { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] });
+    let faces: Vec<[u32; 3]> = faces.map(|f| f.map(|v| v % 9)).collect();
+    let mut strip = soup(9, &faces.iter().map(|f| &f[..]).collect::<Vec<_>>());
+    let report = strip.fill_holes(10);
     assert_eq!((report.filled.count, report.resisting.count), (0, 1));
 }
 
@@ -984,7 +994,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 600, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_soup_becomes_a_manifold(input in any_soup(), holes in 0_usize..12, distance in 0.0..1.0) {
+    fn any_soup_becomes_a_manifold(input in any_soup(), holes in 0_usize..12) {
         let mut soup = input.clone();
         let _ = twice(&mut soup, &input, Soup::drop_degenerate);
         let faces = soup.faces.len();
@@ -1010,7 +1020,6 @@ proptest! {
         }
         prop_assert!(soup.faces.iter().all(|f| f.len() == 3));
         let _ = twice(&mut soup, &input, |soup| soup.weld(0.0));
-        let _ = distance;
     }
 
     /// No step needs another one before it.

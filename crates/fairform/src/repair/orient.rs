@@ -156,6 +156,7 @@ impl Soup {
         mut visit: impl FnMut(&Self, &Component, &mut [bool]),
     ) {
         let mut seen = vec![false; self.faces.len()];
+        let mut around = Vec::new();
         for (root, proper) in (0..).zip(self.proper_faces()) {
             if !proper || seen[root as usize] {
                 continue;
@@ -171,7 +172,14 @@ impl Soup {
             let mut next = 0;
             while let Some(&f) = found.faces.get(next) {
                 next += 1;
-                for h in self.corners_of(f) {
+                // In an order that no turn changes, so that a second walk takes the same way.
+                around.clear();
+                around.extend(self.corners_of(f));
+                around.sort_unstable_by_key(|&h| {
+                    let (a, b) = (self.vertex(h), self.vertex(edges.next[h as usize]));
+                    (edges.face.get(mate[h as usize] as usize), a.min(b), a.max(b))
+                });
+                for &h in &around {
                     let m = mate[h as usize];
                     if m == NONE {
                         found.is_closed = false;
