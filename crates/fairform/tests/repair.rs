@@ -405,6 +405,15 @@ fn a_polygon_with_a_slit_becomes_triangles_around_the_hole() {
     assert!((areas.iter().sum::<f64>() - 2.0 * 12.0).abs() < 1e-12);
 }
 
+/// Here ears exist, but two of the triangles would run along the same edge in the same direction.
+#[test]
+fn a_slit_that_ears_do_not_resolve_is_dropped() {
+    let xy = [[5.0, 5.0], [0.0, 4.0], [5.0, 1.0], [2.0, 4.0], [4.0, 4.0]];
+    let polygon: &[u32] = &[3, 0, 4, 3, 1, 0, 2, 1];
+    let mut soup = Soup::new(points(&xy.map(|[x, y]| [x, y, 0.0])), [polygon].iter().collect());
+    assert_eq!(soup.drop_degenerate().to_string(), "dropped 1 tangled face (0)");
+}
+
 #[test]
 fn duplicates_go_in_either_winding() {
     let tetrahedron: Vec<&[u32]> = TETRAHEDRON.iter().map(|f| &f[..]).collect();
