@@ -10,6 +10,23 @@
 //! after which the soup is an oriented 2-manifold with boundary, whatever it was before. A soup
 //! that is one already goes through unchanged, and so does every soup the second time.
 //!
+//! ```
+//! use fairform::repair::Soup;
+//! use fairform::{Faces, Vec3};
+//!
+//! // A square as two triangles that do not know each other, as some files have it.
+//! let at = |x, y| Vec3::new(x, y, 0.0);
+//! let positions =
+//!     vec![at(0., 0.), at(1., 0.), at(0., 1.), at(1., 0.), at(1., 1.), at(0., 1.)];
+//! let mut soup = Soup::new(positions, Faces::uniform(3, (0..6).collect()));
+//!
+//! let report = soup.weld(0.0)?;
+//! assert_eq!(report.to_string(), "joined 2 vertices (3, 5) into 2 others");
+//! assert_eq!(soup.faces.corners(), [0, 1, 2, 1, 3, 2]);
+//! assert_eq!(soup.vertex_source, [0, 1, 2, 4]);
+//! # Ok::<(), fairform::repair::BadDistance>(())
+//! ```
+//!
 //! A face is *proper* if it has at least three corners, all different and all in range. Steps that
 //! look at neighbours ([`orient`](Soup::orient), [`split_non_manifold`](Soup::split_non_manifold),
 //! [`triangulate`](Soup::triangulate), …) pass over the others as if they were not there;

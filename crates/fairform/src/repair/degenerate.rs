@@ -74,6 +74,9 @@ impl Soup {
     /// total area vector. What has fewer than three corners then, or resists, is dropped.
     ///
     /// Faces of zero area stay: they are valid.
+    ///
+    /// # Panics
+    /// If there would be 2³² corners or more, which only slits could make of fewer.
     pub fn drop_degenerate(&mut self) -> DegenerateReport {
         let mut report = DegenerateReport::default();
         let mut rebuilt = Rebuilt::for_faces_of(self);

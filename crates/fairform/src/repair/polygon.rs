@@ -62,9 +62,10 @@ pub(super) enum Clipped {
 /// rounding.
 const FLAT: f64 = 1e-15;
 
-/// Tests after which a polygon of `n` corners gets a fan: a bound on the time for huge polygons.
+/// Tests after which a polygon of `n` corners gets a fan: a bound on the time, of a second or so,
+/// that ragged polygons reach with some twenty thousand corners.
 fn patience(n: usize) -> usize {
-    5000 * n.min(100_000) + 16 * n
+    20_000 * n.min(25_000) + 16 * n
 }
 
 /// Cuts a polygon of three corners or more into triangles of its corner numbers by clipping ears

@@ -56,6 +56,8 @@ impl Soup {
     /// Then every vertex gets one copy for each of its fans. The fan with the first corner keeps
     /// the vertex; the copies are appended in the order of their first corners.
     ///
+    /// This is the cutting half of the cutting and stitching of \[Gueziec2001\].
+    ///
     /// Faces that are not proper are left as they are, except that vertices out of range become
     /// [`NONE`], lest they turn into new vertices by accident.
     ///

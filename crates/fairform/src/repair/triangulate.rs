@@ -57,7 +57,8 @@ impl Soup {
     ///
     /// A quad gets the shorter diagonal of those that lie inside it, larger polygons are clipped
     /// ear by ear in their best-fit plane. Diagonals that are edges of the soup already are
-    /// avoided. A polygon that no ears fit gets a fan.
+    /// avoided. A polygon that no ears fit gets a fan, and so does what is left of a ragged one of more
+    /// than some twenty thousand corners when the time is up.
     ///
     /// # Panics
     /// If there would be 2³² corners or more.
