@@ -29,6 +29,7 @@ pub mod interpolate;
 pub mod limit;
 pub mod mesh;
 pub mod refine;
+pub mod repair;
 pub mod scheme;
 pub mod shapes;
 pub mod solve;
