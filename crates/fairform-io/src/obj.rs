@@ -76,32 +76,23 @@ struct Indices {
 }
 
 impl Indices {
-    /// The index from 0 that a number of the file stands for.
-    fn resolve(
-        &mut self,
-        (text, at): (&Scanner<'_>, usize),
-        number: i64,
-        count: usize,
-        what: &str,
-    ) -> Result<u32, ParseError> {
+    /// The index from 0 that a number at an offset of the file stands for, if there is such.
+    fn resolve(&mut self, at: usize, number: i64, count: usize) -> Option<u32> {
         let index = match number {
-            0 => return Err(text.error_at(at, format!("{what} index 0; the first is 1"))),
+            0 => return None,
             1.. => number - 1,
             _ => number + count as i64,
         };
-        match u32::try_from(index) {
-            Ok(index) if (index as usize) < count => Ok(index),
-            Ok(index) if number > 0 && index < NONE => {
-                if self.ahead.last().is_none_or(|(last, _)| index > *last) {
-                    self.ahead.push((index, at));
-                }
-                Ok(index)
+        let index = u32::try_from(index).ok().filter(|index| *index < NONE)?;
+        if index as usize >= count {
+            if number < 0 {
+                return None;
             }
-            _ => {
-                let message = format!("{what} {number}, but there are {count} so far");
-                Err(text.error_at(at, message))
+            if self.ahead.last().is_none_or(|(last, _)| index > *last) {
+                self.ahead.push((index, at));
             }
         }
+        Some(index)
     }
 
     /// Fails for the first index that is out of range now that all values are read.
@@ -113,6 +104,14 @@ impl Indices {
             }
             None => Ok(()),
         }
+    }
+}
+
+/// Says that a number stands for no value.
+fn missing(text: &Scanner<'_>, at: usize, number: i64, count: usize, what: &str) -> ParseError {
+    match number {
+        0 => text.error_at(at, format!("{what} index 0; the first is 1")),
+        _ => text.error_at(at, format!("{what} {number}, but there are {count} so far")),
     }
 }
 
@@ -129,6 +128,9 @@ struct Reader<'a> {
     /// For each corner its index into `uvs`, `NONE` without; empty as long as no corner has one.
     corner_uv: Vec<u32>,
     corner_normal: Vec<u32>,
+    /// The first corners that name a value which is not there.
+    missing_uv: Option<ParseError>,
+    missing_normal: Option<ParseError>,
     /// The corners of the face being read.
     face: Vec<u32>,
     groups: LabelBuilder,
@@ -158,6 +160,8 @@ impl<'a> Reader<'a> {
             normal_indices: Indices::default(),
             corner_uv: Vec::new(),
             corner_normal: Vec::new(),
+            missing_uv: None,
+            missing_normal: None,
             face: Vec::new(),
             groups: LabelBuilder::default(),
             materials: LabelBuilder::default(),
@@ -377,7 +381,10 @@ impl<'a> Reader<'a> {
 
         let number = index(&mut self.text)?;
         let count = self.data.positions.len();
-        self.face.push(self.vertex_indices.resolve((&self.text, at), number, count, "vertex")?);
+        let Some(vertex) = self.vertex_indices.resolve(at, number, count) else {
+            return Err(missing(&self.text, at, number, count, "vertex"));
+        };
+        self.face.push(vertex);
         if ends(&self.text) {
             return Ok(());
         }
@@ -388,7 +395,11 @@ impl<'a> Reader<'a> {
         if self.text.peek() != Some(b'/') && !ends(&self.text) {
             let number = index(&mut self.text)?;
             let count = self.uvs.len();
-            let uv = self.uv_indices.resolve((&self.text, at), number, count, "vt")?;
+            let uv = self.uv_indices.resolve(at, number, count).unwrap_or_else(|| {
+                let error = || missing(&self.text, at, number, count, "vt");
+                self.missing_uv.get_or_insert_with(error);
+                NONE
+            });
             self.corner_uv.resize(corner, NONE);
             self.corner_uv.push(uv);
         }
@@ -397,7 +408,11 @@ impl<'a> Reader<'a> {
             if !ends(&self.text) {
                 let number = index(&mut self.text)?;
                 let count = self.normals.len();
-                let normal = self.normal_indices.resolve((&self.text, at), number, count, "vn")?;
+                let normal = self.normal_indices.resolve(at, number, count).unwrap_or_else(|| {
+                    let error = || missing(&self.text, at, number, count, "vn");
+                    self.missing_normal.get_or_insert_with(error);
+                    NONE
+                });
                 self.corner_normal.resize(corner, NONE);
                 self.corner_normal.push(normal);
             }
@@ -411,8 +426,19 @@ impl<'a> Reader<'a> {
             return Err(self.text.error_at(at, message).expected("v, vt, vn or f"));
         }
         self.vertex_indices.check(&self.text, self.data.positions.len(), "vertex")?;
-        self.uv_indices.check(&self.text, self.uvs.len(), "vt")?;
-        self.normal_indices.check(&self.text, self.normals.len(), "vn")?;
+        // The mesh is whole without a texture coordinate or normal that is not there.
+        if let Err(e) = self.uv_indices.check(&self.text, self.uvs.len(), "vt") {
+            let uvs = self.uvs.len() as u32;
+            self.corner_uv.iter_mut().filter(|i| **i >= uvs).for_each(|i| *i = NONE);
+            self.missing_uv.get_or_insert(e);
+        }
+        if let Err(e) = self.normal_indices.check(&self.text, self.normals.len(), "vn") {
+            let normals = self.normals.len() as u32;
+            self.corner_normal.iter_mut().filter(|i| **i >= normals).for_each(|i| *i = NONE);
+            self.missing_normal.get_or_insert(e);
+        }
+        let missing = [self.missing_uv.take(), self.missing_normal.take()];
+        self.data.notes.extend(missing.into_iter().flatten().map(|e| format!("passed over {e}")));
         self.note_what_was_left_out();
         self.finish_colours();
         self.finish_uvs();

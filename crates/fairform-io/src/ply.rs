@@ -276,6 +276,9 @@ fn read_property<'a>(text: &mut Scanner<'a>) -> Result<Property<'a>, ParseError>
     Ok(Property { name, scalar, count })
 }
 
+/// How a message begins that says the file ends in a row; how many rows there are is then said too.
+const END: &str = "the file ends";
+
 /// Where the numbers come from.
 trait Body {
     /// An error unless what is left can hold the rows of an element.
@@ -371,7 +374,7 @@ impl Body for AsciiBody<'_> {
         let at = self.text.at;
         let length = self.text.count("the length of a list")?;
         if length > (self.text.remaining() as u64).div_ceil(2) {
-            let message = format!("a list of {length} numbers, more than the file can hold");
+            let message = format!("{END}, too soon for a list of {length} numbers");
             return Err(self.text.error_at(at, message));
         }
         Ok(length as usize)
@@ -408,7 +411,7 @@ impl<'a, const BIG: bool> BinaryBody<'a, BIG> {
                 self.at += scalar.size();
                 Ok(bytes)
             }
-            None => Err(ParseError::byte(self.at, "the file ends within a number")),
+            None => Err(ParseError::byte(self.at, END)),
         }
     }
 }
@@ -446,7 +449,7 @@ impl<const BIG: bool> Body for BinaryBody<'_, BIG> {
         match usize::try_from(length) {
             Ok(length) if length <= left => Ok(length),
             Ok(length) => {
-                let message = format!("a list of {length} numbers, but the file holds {left} more");
+                let message = format!("{END}, and holds {left} of the {length} numbers of a list");
                 Err(ParseError::byte(at, message))
             }
             Err(_) => Err(ParseError::byte(at, format!("a list of {length} numbers"))),
@@ -456,7 +459,7 @@ impl<const BIG: bool> Body for BinaryBody<'_, BIG> {
     fn skip(&mut self, scalar: Scalar, count: usize) -> Result<(), ParseError> {
         let left = (self.bytes.len() - self.at) / scalar.size();
         if count > left {
-            return Err(ParseError::byte(self.bytes.len(), "the file ends within a row"));
+            return Err(ParseError::byte(self.bytes.len(), END));
         }
         self.at += count * scalar.size();
         Ok(())
@@ -556,15 +559,18 @@ impl Reader {
         for done in 0..element.count {
             body.begin_row();
             let result = if body.is_at_end() {
-                Err(ParseError::file(""))
+                Err(ParseError::file(END))
             } else {
                 row(body, done).and_then(|()| body.end_row())
             };
             if let Err(error) = result {
                 // Cut in a row: say how many rows there are.
-                if body.is_at_end() || error.message.starts_with("the file ends") {
+                if let Some(how) = error.message.strip_prefix(END) {
                     let declared = element.counted(element.count);
-                    let message = format!("the file declares {declared} and ends after {done}");
+                    let message = format!(
+                        "the file declares {declared} and ends after {done}{}",
+                        how.trim_start_matches(" here")
+                    );
                     return Err(ParseError::new(body.place(body.offset()), message));
                 }
                 return Err(error);
@@ -768,7 +774,7 @@ impl Reader {
                         let triangle = if length % 2 == 0 { [a, b, v] } else { [b, a, v] };
                         // Strips repeat a vertex to turn.
                         if a != b && b != v && v != a {
-                            push_face(&mut faces, &triangle, body.place(self.index_at))?;
+                            push_face(&mut faces, &triangle, Place::File)?;
                         }
                     }
                     last = [b, v];

@@ -190,7 +190,6 @@ fn keyword(text: &mut Scanner<'_>, expected: &str) -> Result<(), ParseError> {
 
 /// Reads `facet … outer loop`, three vertices, and what ends them. The normal is not needed.
 fn facet(text: &mut Scanner<'_>, builder: &mut Builder) -> Result<(), ParseError> {
-    let start = text.at;
     let mut read = || -> Result<[Vec3; 3], ParseError> {
         keyword(text, "facet")?;
         text.skip_space();
@@ -217,8 +216,7 @@ fn facet(text: &mut Scanner<'_>, builder: &mut Builder) -> Result<(), ParseError
         Ok(triangle)
     };
     match read() {
-        // The line of a place is dear to find, and the place matters in one case only.
-        Ok(triangle) => builder.push(triangle, Place::Byte(start as u64)),
+        Ok(triangle) => builder.push(triangle, Place::File),
         Err(_) if text.is_at_end() => Err(ended(text, "a facet")),
         Err(error) => Err(error),
     }

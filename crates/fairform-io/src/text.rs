@@ -138,7 +138,12 @@ impl<'a> Scanner<'a> {
     /// Whether a number may end here.
     fn is_at_delimiter(&self) -> bool {
         match self.peek() {
-            None | Some(b'#') => true,
+            None => true,
+            // A comment, unless it is what some C libraries write for what is no number: 1.#IND.
+            Some(b'#') => {
+                let rest = &self.bytes[self.at..];
+                ![&b"#IND"[..], b"#INF", b"#QNAN", b"#SNAN"].iter().any(|w| rest.starts_with(w))
+            }
             Some(b'\\') => self.bytes.get(self.at + 1).is_none_or(|&b| is_line_end(b)),
             Some(b) => is_blank(b) || is_line_end(b),
         }
@@ -163,11 +168,10 @@ impl<'a> Scanner<'a> {
         let from = self.at;
         let sign = self.peek().filter(|b| matches!(b, b'+' | b'-'));
         self.at += usize::from(sign.is_some());
-        let mut value = 0_i64;
+        let mut value = Some(0_i64);
         let mut count = 0;
         while let Some(digit) = self.peek().map(|b| b.wrapping_sub(b'0')).filter(|d| *d < 10) {
-            // Beyond 18 digits every value is out of every range; this one stays so.
-            value = value.saturating_mul(10).saturating_add(i64::from(digit));
+            value = value.and_then(|v| v.checked_mul(10)?.checked_add(i64::from(digit)));
             self.at += 1;
             count += 1;
         }
@@ -175,6 +179,10 @@ impl<'a> Scanner<'a> {
             self.at = from;
             return Err(self.unexpected(what));
         }
+        let Some(value) = value else {
+            let message = format!("found {}, too large", quoted(Self { at: from, ..*self }.word()));
+            return Err(self.error_at(from, message).expected(what));
+        };
         Ok(if sign == Some(b'-') { -value } else { value })
     }
 

@@ -242,6 +242,8 @@ impl<'a> Reader<'a> {
         map: &Affine,
         first_vertex: &mut HashMap<Attributes, usize>,
     ) -> Result<(), ParseError> {
+        // Many nodes may use a mesh of many primitives, even empty ones.
+        self.buffers.spend(1, "a primitive")?;
         let Some(position) = primitive.attributes.position else {
             self.skipped += 1;
             return Ok(());
