@@ -1,0 +1,46 @@
+//! Polygon meshes from bytes and to bytes: OBJ, OFF, PLY, STL, glTF and GLB, also gzipped.
+//!
+//! The readers take any bytes and give a [`MeshData`] or a [`ParseError`] that names the place.
+//! They promise nothing about the faces except that every corner is a vertex of the mesh: faces
+//! with two corners, edges with three faces and coordinates that are not finite all come through,
+//! for the kernel to name and for repair to mend. Polygons stay whole.
+//!
+//! A count in a header is compared with the bytes that are left before anything is allocated for
+//! it, so that the memory a reader takes is bounded by a multiple of the size of its input.
+//!
+//! ```
+//! use fairform_io::{Format, WriteOptions, encode, parse};
+//!
+//! let square = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+//! let data = parse(square, Format::Obj)?;
+//! assert_eq!((data.positions.len(), data.faces.len()), (4, 1));
+//!
+//! let mut out = Vec::new();
+//! let notes = encode(Format::Off, &data, &WriteOptions::default(), &mut out)?;
+//! assert!(notes.is_empty(), "OFF holds all of it");
+//! assert!(out.ends_with(b"4 0 1 2 3\n"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod data;
+mod error;
+#[cfg(feature = "files")]
+mod file;
+mod format;
+mod gltf;
+mod gzip;
+mod obj;
+mod off;
+mod ply;
+mod stl;
+mod text;
+mod triangulate;
+mod weld;
+
+pub use data::{Labels, MeshData, WriteOptions};
+pub use error::{Error, ParseError, Place};
+#[cfg(feature = "files")]
+pub use file::{discard_pending, read, save, write};
+pub use format::{Format, encode, parse};
+pub use gltf::parse_with_buffers;
+pub use gzip::limit as gzip_limit;

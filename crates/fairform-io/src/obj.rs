@@ -1,0 +1,699 @@
+//! Wavefront OBJ.
+//!
+//! Read: `v` with weight or colour, `vt`, `vn`, `f` in all index forms, `o`, `g`, `usemtl`,
+//! `mtllib`. Points, lines, smoothing groups and free-form geometry are counted and left out.
+//! Comments may stand anywhere, a backslash continues a line, lines end with LF, CR or CRLF.
+//!
+//! Source: Wavefront Technologies, *Advanced Visualizer manual*, appendix B1, 1995; colours behind
+//! the coordinates as `MeshLab` and others write them.
+
+use std::collections::HashMap;
+use std::io::Write;
+
+use fairform::{NONE, Vec3};
+
+use crate::data::{LabelBuilder, MeshData, WriteOptions, push_face, scale_large_colours};
+use crate::error::{Error, ParseError, Place};
+use crate::format::left_out;
+use crate::text::{NumberWriter, Scanner, counted, quoted, text_of, trim};
+
+/// The mesh in an OBJ file.
+pub(crate) fn parse(bytes: &[u8]) -> Result<MeshData, ParseError> {
+    let mut reader = Reader::new(Scanner::new(bytes)?);
+    while !reader.text.is_at_end() {
+        reader.statement()?;
+    }
+    reader.finish()
+}
+
+/// Statements of the format that do not describe polygons.
+const FREE_FORM: [&[u8]; 37] = [
+    b"vp",
+    b"cstype",
+    b"deg",
+    b"bmat",
+    b"step",
+    b"curv",
+    b"curv2",
+    b"surf",
+    b"parm",
+    b"trim",
+    b"hole",
+    b"scrv",
+    b"sp",
+    b"end",
+    b"con",
+    b"mg",
+    b"bevel",
+    b"c_interp",
+    b"d_interp",
+    b"lod",
+    b"shadow_obj",
+    b"trace_obj",
+    b"ctech",
+    b"stech",
+    b"bsp",
+    b"bzp",
+    b"cdc",
+    b"cdp",
+    b"res",
+    b"maplib",
+    b"usemap",
+    b"call",
+    b"csh",
+    b"cstech",
+    b"ctype",
+    b"scmp",
+    b"sfv",
+];
+
+/// Indices into one kind of value (`v`, `vt` or `vn`).
+#[derive(Default)]
+struct Indices {
+    /// Those beyond the values read so far, each larger than all before, with their offset: the
+    /// first that stays out of range is among them.
+    ahead: Vec<(u32, usize)>,
+}
+
+impl Indices {
+    /// The index from 0 that a number at an offset of the file stands for, if there is such.
+    fn resolve(&mut self, at: usize, number: i64, count: usize) -> Option<u32> {
+        let index = match number {
+            0 => return None,
+            1.. => number - 1,
+            _ => number + count as i64,
+        };
+        let index = u32::try_from(index).ok().filter(|index| *index < NONE)?;
+        if index as usize >= count {
+            if number < 0 {
+                return None;
+            }
+            if self.ahead.last().is_none_or(|(last, _)| index > *last) {
+                self.ahead.push((index, at));
+            }
+        }
+        Some(index)
+    }
+
+    /// Fails for the first index that is out of range now that all values are read.
+    fn check(&self, text: &Scanner<'_>, count: usize, what: &str) -> Result<(), ParseError> {
+        match self.ahead.iter().find(|(index, _)| *index as usize >= count) {
+            Some(&(index, at)) => {
+                let number = u64::from(index) + 1;
+                Err(text.error_at(at, format!("{what} {number}, but the file has {count}")))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// Says that a number stands for no value.
+fn missing(text: &Scanner<'_>, at: usize, number: i64, count: usize, what: &str) -> ParseError {
+    match number {
+        0 => text.error_at(at, format!("{what} index 0; the first is 1")),
+        _ => text.error_at(at, format!("{what} {number}, but there are {count} so far")),
+    }
+}
+
+struct Reader<'a> {
+    text: Scanner<'a>,
+    data: MeshData,
+    /// Colours of the first vertices, as many as were needed so far.
+    colours: Vec<[f64; 4]>,
+    uvs: Vec<[f64; 2]>,
+    normals: Vec<Vec3>,
+    vertex_indices: Indices,
+    uv_indices: Indices,
+    normal_indices: Indices,
+    /// For each corner its index into `uvs`, `NONE` without; empty as long as no corner has one.
+    corner_uv: Vec<u32>,
+    corner_normal: Vec<u32>,
+    /// The first corners that name a value which is not there.
+    missing_uv: Option<ParseError>,
+    missing_normal: Option<ParseError>,
+    /// The corners of the face being read.
+    face: Vec<u32>,
+    groups: LabelBuilder,
+    materials: LabelBuilder,
+    weights: bool,
+    extra_numbers: usize,
+    points_and_lines: usize,
+    smoothing: bool,
+    free_form: usize,
+    has_object: bool,
+    has_group: bool,
+    understood: usize,
+    unknown: usize,
+    first_unknown: Option<(usize, &'a [u8])>,
+}
+
+impl<'a> Reader<'a> {
+    fn new(text: Scanner<'a>) -> Self {
+        Self {
+            text,
+            data: MeshData::default(),
+            colours: Vec::new(),
+            uvs: Vec::new(),
+            normals: Vec::new(),
+            vertex_indices: Indices::default(),
+            uv_indices: Indices::default(),
+            normal_indices: Indices::default(),
+            corner_uv: Vec::new(),
+            corner_normal: Vec::new(),
+            missing_uv: None,
+            missing_normal: None,
+            face: Vec::new(),
+            groups: LabelBuilder::default(),
+            materials: LabelBuilder::default(),
+            weights: false,
+            extra_numbers: 0,
+            points_and_lines: 0,
+            smoothing: false,
+            free_form: 0,
+            has_object: false,
+            has_group: false,
+            understood: 0,
+            unknown: 0,
+            first_unknown: None,
+        }
+    }
+
+    /// Reads one statement, or a comment or an empty line, up to the next line.
+    fn statement(&mut self) -> Result<(), ParseError> {
+        self.text.skip_blanks_and_continuations();
+        if self.text.is_at_line_end() {
+            self.text.skip_line();
+            return Ok(());
+        }
+        let at = self.text.at;
+        let keyword = self.text.word();
+        self.understood += 1;
+        match keyword {
+            b"v" => return self.vertex(),
+            b"f" | b"fo" => return self.polygon(),
+            b"vt" => return self.uv(),
+            b"vn" => return self.normal(),
+            b"g" => {
+                let name = self.name();
+                self.has_group = true;
+                self.groups.fill(self.data.faces.len());
+                self.groups.set(if name.is_empty() { "default".into() } else { name });
+            }
+            b"o" => {
+                let name = self.name();
+                self.has_object = true;
+                self.groups.fill(self.data.faces.len());
+                self.groups.set(name);
+            }
+            b"usemtl" => {
+                let name = self.name();
+                self.materials.fill(self.data.faces.len());
+                self.materials.set(name);
+            }
+            b"mtllib" => {
+                let name = self.name();
+                let library = self.data.material_library.get_or_insert_default();
+                if !library.is_empty() {
+                    library.push('\n');
+                }
+                library.push_str(&name);
+            }
+            b"s" => {
+                self.smoothing |= !matches!(self.name().as_str(), "off" | "0" | "");
+            }
+            b"p" | b"l" => {
+                self.points_and_lines += 1;
+                self.skip_statement();
+            }
+            _ if FREE_FORM.contains(&keyword) => {
+                self.free_form += 1;
+                self.skip_statement();
+            }
+            _ if keyword.contains(&0) => {
+                let message = format!("found {}; a NUL byte is no text", quoted(keyword));
+                return Err(self.text.error_at(at, message).expected("an OBJ statement"));
+            }
+            _ => {
+                self.understood -= 1;
+                self.unknown += 1;
+                self.first_unknown.get_or_insert((at, keyword));
+                self.skip_statement();
+            }
+        }
+        Ok(())
+    }
+
+    /// Skips to the next line that does not continue this one.
+    fn skip_statement(&mut self) {
+        loop {
+            let end = self.text.line_end();
+            let continued = end > self.text.at && self.text.bytes[end - 1] == b'\\';
+            self.text.skip_line();
+            if !continued || self.text.is_at_end() {
+                return;
+            }
+        }
+    }
+
+    /// The rest of the statement up to a comment, as a name.
+    fn name(&mut self) -> String {
+        self.text.skip_blanks();
+        let from = self.text.at;
+        self.skip_statement();
+        let rest = &self.text.bytes[from..self.text.at];
+        let end = (0..rest.len())
+            .find(|&i| rest[i] == b'#' && (i == 0 || rest[i - 1].is_ascii_whitespace()));
+        let rest = trim(&rest[..end.unwrap_or(rest.len())]);
+        if !rest.iter().any(|b| matches!(b, b'\n' | b'\r')) {
+            return text_of(rest);
+        }
+        let joined: Vec<_> = text_of(rest)
+            .split(['\n', '\r'])
+            .map(|line| line.strip_suffix('\\').unwrap_or(line).trim().to_string())
+            .collect();
+        joined.join(" ").trim().to_string()
+    }
+
+    /// Numbers up to the end of the statement: their count, and the first ones.
+    fn numbers<const N: usize>(&mut self) -> Result<(usize, [f64; N]), ParseError> {
+        let mut values = [0.0; N];
+        let mut count = 0;
+        loop {
+            self.text.skip_blanks_and_continuations();
+            if self.text.is_at_line_end() {
+                self.text.skip_line();
+                return Ok((count, values));
+            }
+            let value = self.text.number()?;
+            if count < N {
+                values[count] = value;
+            }
+            count += 1;
+        }
+    }
+
+    fn vertex(&mut self) -> Result<(), ParseError> {
+        let at = self.text.at;
+        let (count, n) = self.numbers::<7>()?;
+        if count < 3 {
+            let message = format!("{} after v", counted(count, "number"));
+            return Err(self.text.error_at(at, message).expected("3 numbers, x y z"));
+        }
+        let before = self.data.positions.len();
+        self.data.positions.push(Vec3::new(n[0], n[1], n[2]));
+        match count {
+            3 => return Ok(()),
+            4 => {
+                self.weights |= n[3].to_bits() != 1.0_f64.to_bits();
+                return Ok(());
+            }
+            6 | 7 => {}
+            _ => {
+                self.extra_numbers += 1;
+                return Ok(());
+            }
+        }
+        self.colours.resize(before, WHITE);
+        self.colours.push([n[3], n[4], n[5], if count == 7 { n[6] } else { 1.0 }]);
+        Ok(())
+    }
+
+    fn uv(&mut self) -> Result<(), ParseError> {
+        let at = self.text.at;
+        let (count, [u, v]) = self.numbers::<2>()?;
+        if count == 0 {
+            return Err(self.text.error_at(at, "no number after vt").expected("u v"));
+        }
+        self.uvs.push([u, v]);
+        Ok(())
+    }
+
+    fn normal(&mut self) -> Result<(), ParseError> {
+        let at = self.text.at;
+        let (count, n) = self.numbers::<3>()?;
+        if count < 3 {
+            let message = format!("{} after vn", counted(count, "number"));
+            return Err(self.text.error_at(at, message).expected("3 numbers, x y z"));
+        }
+        self.normals.push(n.into());
+        Ok(())
+    }
+
+    fn polygon(&mut self) -> Result<(), ParseError> {
+        let start = self.text.at;
+        self.face.clear();
+        let corners_before = self.data.faces.corners().len();
+        loop {
+            self.text.skip_blanks_and_continuations();
+            if self.text.is_at_line_end() {
+                self.text.skip_line();
+                break;
+            }
+            self.corner(corners_before + self.face.len())?;
+        }
+        let end = corners_before + self.face.len();
+        for corners in [&mut self.corner_uv, &mut self.corner_normal] {
+            if !corners.is_empty() {
+                corners.resize(end, NONE);
+            }
+        }
+        let faces_before = self.data.faces.len();
+        if self.data.faces.corners().len() + self.face.len() > u32::MAX as usize {
+            let place = Place::Line(self.text.line_of(start));
+            return push_face(&mut self.data.faces, &self.face, place);
+        }
+        self.data.faces.push(&self.face);
+        if self.has_object || self.has_group {
+            self.groups.fill(faces_before + 1);
+        }
+        Ok(())
+    }
+
+    /// Reads one corner: `v`, `v/vt`, `v//vn` or `v/vt/vn`, with nothing behind a slash allowed.
+    fn corner(&mut self, corner: usize) -> Result<(), ParseError> {
+        const FORM: &str = "a corner v, v/vt, v//vn or v/vt/vn of whole numbers";
+        let at = self.text.at;
+        let wrong = |text: &Scanner<'_>| Scanner { at, ..*text }.unexpected(FORM);
+        let index = |text: &mut Scanner<'_>| text.digits(FORM).map_err(|_| wrong(text));
+        let ends = |text: &Scanner<'_>| {
+            text.peek().is_none_or(|b| b.is_ascii_whitespace() || matches!(b, 0x0b | b'#' | b'\\'))
+        };
+
+        let number = index(&mut self.text)?;
+        let count = self.data.positions.len();
+        let Some(vertex) = self.vertex_indices.resolve(at, number, count) else {
+            return Err(missing(&self.text, at, number, count, "vertex"));
+        };
+        self.face.push(vertex);
+        if ends(&self.text) {
+            return Ok(());
+        }
+        if self.text.peek() != Some(b'/') {
+            return Err(wrong(&self.text));
+        }
+        self.text.at += 1;
+        if self.text.peek() != Some(b'/') && !ends(&self.text) {
+            let number = index(&mut self.text)?;
+            let count = self.uvs.len();
+            let uv = self.uv_indices.resolve(at, number, count).unwrap_or_else(|| {
+                let error = || missing(&self.text, at, number, count, "vt");
+                self.missing_uv.get_or_insert_with(error);
+                NONE
+            });
+            self.corner_uv.resize(corner, NONE);
+            self.corner_uv.push(uv);
+        }
+        if self.text.peek() == Some(b'/') {
+            self.text.at += 1;
+            if !ends(&self.text) {
+                let number = index(&mut self.text)?;
+                let count = self.normals.len();
+                let normal = self.normal_indices.resolve(at, number, count).unwrap_or_else(|| {
+                    let error = || missing(&self.text, at, number, count, "vn");
+                    self.missing_normal.get_or_insert_with(error);
+                    NONE
+                });
+                self.corner_normal.resize(corner, NONE);
+                self.corner_normal.push(normal);
+            }
+        }
+        if ends(&self.text) { Ok(()) } else { Err(wrong(&self.text)) }
+    }
+
+    fn finish(mut self) -> Result<MeshData, ParseError> {
+        if let (0, Some((at, word))) = (self.understood, self.first_unknown) {
+            let message = format!("found {}, and no OBJ statement in the file", quoted(word));
+            return Err(self.text.error_at(at, message).expected("v, vt, vn or f"));
+        }
+        self.vertex_indices.check(&self.text, self.data.positions.len(), "vertex")?;
+        // The mesh is whole without a texture coordinate or normal that is not there.
+        if let Err(e) = self.uv_indices.check(&self.text, self.uvs.len(), "vt") {
+            let uvs = self.uvs.len() as u32;
+            self.corner_uv.iter_mut().filter(|i| **i >= uvs).for_each(|i| *i = NONE);
+            self.missing_uv.get_or_insert(e);
+        }
+        if let Err(e) = self.normal_indices.check(&self.text, self.normals.len(), "vn") {
+            let normals = self.normals.len() as u32;
+            self.corner_normal.iter_mut().filter(|i| **i >= normals).for_each(|i| *i = NONE);
+            self.missing_normal.get_or_insert(e);
+        }
+        let missing = [self.missing_uv.take(), self.missing_normal.take()];
+        self.data.notes.extend(missing.into_iter().flatten().map(|e| format!("passed over {e}")));
+        self.note_what_was_left_out();
+        self.finish_colours();
+        self.finish_uvs();
+        self.finish_normals();
+        let faces = self.data.faces.len();
+        if self.has_object || self.has_group {
+            self.groups.fill(faces);
+        }
+        self.data.groups = self.groups.finish();
+        self.materials.fill(faces);
+        self.data.materials = self.materials.finish();
+        Ok(self.data)
+    }
+
+    fn note_what_was_left_out(&mut self) {
+        let notes = &mut self.data.notes;
+        if let Some((at, word)) = self.first_unknown {
+            let (n, line) = (counted(self.unknown, "unknown statement"), self.text.line_of(at));
+            notes.push(format!("{n} skipped, the first at line {line}: {}", quoted(word)));
+        }
+        if self.free_form > 0 {
+            notes.push(format!("{} skipped", counted(self.free_form, "free-form statement")));
+        }
+        if self.points_and_lines > 0 {
+            let n = counted(self.points_and_lines, "point or line statement");
+            notes.push(format!("{n} skipped: only faces are read"));
+        }
+        if self.smoothing {
+            notes.push("smoothing groups left out".into());
+        }
+        if self.weights {
+            notes.push("vertex weights (v x y z w) left out".into());
+        }
+        if self.extra_numbers > 0 {
+            let n = counted(self.extra_numbers, "v statement");
+            notes.push(format!("{n} with 5 or more than 7 numbers: only x y z read"));
+        }
+        if self.has_object && self.has_group {
+            notes.push("both o and g name groups: the last before a face counts".into());
+        }
+    }
+
+    fn finish_colours(&mut self) {
+        let vertices = self.data.positions.len();
+        if self.colours.is_empty() {
+            return;
+        }
+        // `resize` filled the gaps, but a vertex behind the last colour is one as well.
+        if self.colours.len() < vertices {
+            self.data.notes.push("vertices without a colour are white".into());
+        }
+        self.colours.resize(vertices, WHITE);
+        scale_large_colours(&mut self.colours, &mut self.data.notes);
+        self.data.colours = Some(std::mem::take(&mut self.colours));
+    }
+
+    fn finish_uvs(&mut self) {
+        let (vertices, corners) = (self.data.positions.len(), self.data.faces.corners());
+        if self.uvs.is_empty() {
+            return;
+        }
+        if self.uvs.len() == vertices && is_identity(&self.corner_uv, corners) {
+            self.data.uvs = Some(std::mem::take(&mut self.uvs));
+            return;
+        }
+        if self.corner_uv.is_empty() {
+            self.data.notes.push("no face uses the texture coordinates: left out".into());
+            return;
+        }
+        let of = |i: u32| if i == NONE { [0.0; 2] } else { self.uvs[i as usize] };
+        if self.corner_uv.contains(&NONE) {
+            self.data.notes.push("corners without texture coordinates have 0 0".into());
+        }
+        let bits = |uv: [f64; 2]| uv.map(f64::to_bits);
+        let per_vertex =
+            one_per_vertex(vertices, corners, |corner| bits(of(self.corner_uv[corner])));
+        match per_vertex {
+            Some(uvs) => {
+                self.data.uvs =
+                    Some(uvs.iter().map(|uv| uv.unwrap_or_default().map(f64::from_bits)).collect());
+            }
+            None => self.data.corner_uvs = Some(self.corner_uv.iter().map(|i| of(*i)).collect()),
+        }
+    }
+
+    fn finish_normals(&mut self) {
+        let (vertices, corners) = (self.data.positions.len(), self.data.faces.corners());
+        if self.normals.is_empty() {
+            return;
+        }
+        if self.normals.len() == vertices && is_identity(&self.corner_normal, corners) {
+            self.data.normals = Some(std::mem::take(&mut self.normals));
+            return;
+        }
+        let notes = &mut self.data.notes;
+        if self.corner_normal.is_empty() {
+            notes.push("no face uses the normals: left out".into());
+            return;
+        }
+        if self.corner_normal.contains(&NONE) {
+            notes.push("normals left out: some corners have none".into());
+            return;
+        }
+        let bits = |n: Vec3| [n.x, n.y, n.z].map(f64::to_bits);
+        let per_vertex = one_per_vertex(vertices, corners, |corner| {
+            bits(self.normals[self.corner_normal[corner] as usize])
+        });
+        match per_vertex {
+            Some(normals) => {
+                let normal =
+                    |n: &Option<[u64; 3]>| n.unwrap_or_default().map(f64::from_bits).into();
+                self.data.normals = Some(normals.iter().map(normal).collect());
+            }
+            None => notes.push("normals left out: some vertices have several".into()),
+        }
+    }
+}
+
+/// Colour of a vertex that the file gives none.
+const WHITE: [f64; 4] = [1.0; 4];
+
+/// Whether every corner that has a vertex `i` has value `i` too. True without faces.
+fn is_identity(values: &[u32], corners: &[u32]) -> bool {
+    values == corners
+}
+
+/// The value of each vertex, if all its corners have the same.
+fn one_per_vertex<V: PartialEq + Copy>(
+    vertices: usize,
+    corners: &[u32],
+    value: impl Fn(usize) -> V,
+) -> Option<Vec<Option<V>>> {
+    let mut values = vec![None; vertices];
+    for (corner, &vertex) in corners.iter().enumerate() {
+        let value = value(corner);
+        if *values[vertex as usize].get_or_insert(value) != value {
+            return None;
+        }
+    }
+    Some(values)
+}
+
+/// Writes an OBJ file.
+pub(crate) fn encode(
+    data: &MeshData,
+    options: &WriteOptions,
+    out: &mut dyn Write,
+) -> Result<Vec<String>, Error> {
+    let mut numbers = NumberWriter::new(options.single_precision);
+    out.write_all(b"# fairform\n")?;
+    for library in data.material_library.iter().flat_map(|l| l.lines()) {
+        writeln!(out, "mtllib {}", statement_name(library))?;
+    }
+    let opaque = data.colours.iter().flatten().all(|c| c[3].to_bits() == 1.0_f64.to_bits());
+    for (i, p) in data.positions.iter().enumerate() {
+        out.write_all(b"v")?;
+        numbers.write_all(out, &[p.x, p.y, p.z])?;
+        if let Some(colours) = &data.colours {
+            numbers.write_all(out, &colours[i][..if opaque { 3 } else { 4 }])?;
+        }
+        out.write_all(b"\n")?;
+    }
+    let uv_of_corner = write_uvs(data, &mut numbers, out)?;
+    for n in data.normals.iter().flatten() {
+        out.write_all(b"vn")?;
+        numbers.write_all(out, &[n.x, n.y, n.z])?;
+        out.write_all(b"\n")?;
+    }
+    write_faces(data, uv_of_corner.as_deref(), out)?;
+    let both = data.uvs.is_some() && data.corner_uvs.is_some();
+    let mut notes = left_out(&[(both, "uvs per vertex beside those per corner")], "OBJ");
+    if !opaque {
+        notes.push("alpha written as a seventh number of v, which few programs read".into());
+    }
+    Ok(notes)
+}
+
+/// Writes the `vt` statements, equal ones of corners once. For each corner its index from 0,
+/// unless that is its vertex.
+fn write_uvs(
+    data: &MeshData,
+    numbers: &mut NumberWriter,
+    out: &mut dyn Write,
+) -> Result<Option<Vec<u32>>, Error> {
+    let mut write = |uv: &[f64; 2]| -> Result<(), Error> {
+        out.write_all(b"vt")?;
+        numbers.write_all(out, uv)?;
+        Ok(out.write_all(b"\n")?)
+    };
+    let Some(corner_uvs) = &data.corner_uvs else {
+        data.uvs.iter().flatten().try_for_each(&mut write)?;
+        return Ok(None);
+    };
+    let mut known: HashMap<[u64; 2], u32> = HashMap::new();
+    let mut of_corner = Vec::with_capacity(corner_uvs.len());
+    for uv in corner_uvs {
+        let next = known.len() as u32;
+        let index = *known.entry(uv.map(f64::to_bits)).or_insert(next);
+        if index == next {
+            write(uv)?;
+        }
+        of_corner.push(index);
+    }
+    Ok(Some(of_corner))
+}
+
+fn write_faces(
+    data: &MeshData,
+    uv_of_corner: Option<&[u32]>,
+    out: &mut dyn Write,
+) -> Result<(), Error> {
+    let has_uv = data.uvs.is_some() || uv_of_corner.is_some();
+    let has_normal = data.normals.is_some();
+    let mut last = [None; 2];
+    let mut corner = 0;
+    for (face, vertices) in data.faces.iter().enumerate() {
+        for (i, (keyword, labels)) in
+            [("g", &data.groups), ("usemtl", &data.materials)].into_iter().enumerate()
+        {
+            let Some(labels) = labels else { continue };
+            let label = labels.of_face[face];
+            let name = &labels.names[label as usize];
+            // A face before the first name needs no statement.
+            if last[i] != Some(label) && !(last[i].is_none() && name.is_empty()) {
+                writeln!(out, "{keyword} {}", statement_name(name))?;
+            }
+            last[i] = Some(label);
+        }
+        out.write_all(b"f")?;
+        for &v in vertices {
+            let vertex = u64::from(v) + 1;
+            let uv = uv_of_corner.map_or(vertex, |of| u64::from(of[corner]) + 1);
+            match (has_uv, has_normal) {
+                (false, false) => write!(out, " {vertex}")?,
+                (true, false) => write!(out, " {vertex}/{uv}")?,
+                (false, true) => write!(out, " {vertex}//{vertex}")?,
+                (true, true) => write!(out, " {vertex}/{uv}/{vertex}")?,
+            }
+            corner += 1;
+        }
+        out.write_all(b"\n")?;
+    }
+    Ok(())
+}
+
+/// A name as a statement can hold it: on one line, no comment, no continuation.
+fn statement_name(name: &str) -> String {
+    let line = name.replace(|c: char| c.is_control(), " ");
+    let mut safe = line.trim().replace(" #", " _");
+    if safe.starts_with('#') {
+        safe.replace_range(..1, "_");
+    }
+    if safe.ends_with('\\') {
+        safe.pop();
+        safe.push('_');
+    }
+    safe
+}

@@ -1,0 +1,353 @@
+//! Stereolithography files, as text or binary.
+//!
+//! The format has no vertices, only triangles with three positions each; equal positions are made
+//! one vertex, numbered as they first appear. Whether a file is text shows in its size and its
+//! content, since many a binary one begins with "solid" too.
+//!
+//! A binary file with bytes behind the declared triangles is read, with a note, unless the bytes
+//! are exactly more triangles: then the count is wrong, and that is an error.
+//!
+//! Source: 3D Systems, *StereoLithography Interface Specification*, 1989.
+
+use std::io::Write;
+
+use fairform::{Faces, Vec3};
+
+use crate::data::{LabelBuilder, MeshData, WriteOptions, push_face};
+use crate::error::{Error, ParseError, Place};
+use crate::format::left_out;
+use crate::text::{NumberWriter, Scanner, counted, text_of};
+use crate::triangulate::Triangulator;
+use crate::weld::Weld;
+
+/// Bytes before the first triangle of a binary file: a free header, and the count.
+const HEADER: usize = 84;
+/// Bytes of a triangle: normal, three positions, two bytes of attributes.
+const TRIANGLE: usize = 50;
+
+/// The mesh in an STL file.
+pub(crate) fn parse(bytes: &[u8]) -> Result<MeshData, ParseError> {
+    if is_text(bytes) { parse_text(bytes) } else { parse_binary(bytes) }
+}
+
+/// The number of triangles that a binary file declares.
+fn declared(bytes: &[u8]) -> Option<u32> {
+    Some(u32::from_le_bytes(*bytes.get(80..HEADER)?.as_array()?))
+}
+
+fn is_text(bytes: &[u8]) -> bool {
+    let fits = |n: u32| HEADER as u64 + TRIANGLE as u64 * u64::from(n) == bytes.len() as u64;
+    if declared(bytes).is_some_and(fits) {
+        return false;
+    }
+    let Ok(mut text) = Scanner::new(bytes) else {
+        return true;
+    };
+    text.skip_space();
+    if !text.word().eq_ignore_ascii_case(b"solid") {
+        // A text that is none of ours is better complained about as a text.
+        return !bytes.contains(&0) && bytes.len() < HEADER;
+    }
+    text.skip_line();
+    text.skip_space();
+    let word = text.word();
+    word.eq_ignore_ascii_case(b"facet")
+        || word.eq_ignore_ascii_case(b"endsolid")
+        || !bytes[..bytes.len().min(512)].contains(&0)
+}
+
+/// Triangles as they are read.
+struct Builder {
+    weld: Weld,
+    faces: Faces,
+    flat: usize,
+}
+
+impl Builder {
+    fn with_capacity(triangles: usize) -> Self {
+        // A closed mesh has half as many vertices as triangles.
+        let weld = Weld::with_capacity(triangles / 2);
+        Self { weld, faces: Faces::with_capacity(triangles, 3 * triangles), flat: 0 }
+    }
+
+    fn push(&mut self, triangle: [Vec3; 3], place: Place) -> Result<(), ParseError> {
+        let [a, b, c] = triangle.map(|p| self.weld.vertex(p));
+        self.flat += usize::from(a == b || b == c || c == a);
+        push_face(&mut self.faces, &[a, b, c], place)
+    }
+
+    fn finish(self) -> MeshData {
+        let mut notes = Vec::new();
+        let (corners, vertices) = (self.faces.corners().len(), self.weld.positions.len());
+        if corners > 0 {
+            let (corners, vertices) = (counted(corners, "corner"), counted(vertices, "vertex"));
+            notes.push(format!("welded {corners} into {vertices}: STL has no connectivity"));
+        }
+        if self.flat > 0 {
+            let n = counted(self.flat, "triangle");
+            notes.push(format!("{n} with two corners at one point kept"));
+        }
+        MeshData { positions: self.weld.positions, faces: self.faces, notes, ..MeshData::default() }
+    }
+}
+
+fn parse_binary(bytes: &[u8]) -> Result<MeshData, ParseError> {
+    let Some(count) = declared(bytes) else {
+        let n = counted(bytes.len(), "byte");
+        return Err(ParseError::file(format!("the file ends after {n}"))
+            .expected("an STL text, or 84 bytes before the first triangle"));
+    };
+    let body = &bytes[HEADER..];
+    let room = body.len() / TRIANGLE;
+    let count = count as usize;
+    if count > room {
+        let message = format!("the file declares {count} triangles and ends after {room}");
+        return Err(ParseError::byte(bytes.len(), message));
+    }
+    let behind = body.len() - count * TRIANGLE;
+    if behind > 0 && behind.is_multiple_of(TRIANGLE) {
+        let message = format!("the file declares {count} triangles, but holds exactly {room}");
+        return Err(ParseError::byte(80, message));
+    }
+    let mut builder = Builder::with_capacity(count);
+    let mut attributes = 0_usize;
+    let triangles = body.as_chunks::<TRIANGLE>().0;
+    for (i, triangle) in triangles[..count].iter().enumerate() {
+        let float = |at: usize| {
+            let [a, b, c, d] = [triangle[at], triangle[at + 1], triangle[at + 2], triangle[at + 3]];
+            f64::from(f32::from_le_bytes([a, b, c, d]))
+        };
+        let point = |at: usize| Vec3::new(float(at), float(at + 4), float(at + 8));
+        let place = Place::Byte((HEADER + i * TRIANGLE) as u64);
+        builder.push([point(12), point(24), point(36)], place)?;
+        attributes += usize::from(triangle[48..] != [0, 0]);
+    }
+    let mut data = builder.finish();
+    if attributes > 0 {
+        let n = counted(attributes, "triangle");
+        data.notes.push(format!("attribute bytes (colours) of {n} left out"));
+    }
+    if behind > 0 {
+        let n = counted(behind, "byte");
+        data.notes.push(format!("{n} behind the last triangle unread"));
+    }
+    Ok(data)
+}
+
+fn parse_text(bytes: &[u8]) -> Result<MeshData, ParseError> {
+    let mut text = Scanner::new(bytes)?;
+    let mut builder = Builder::with_capacity(0);
+    let mut groups = LabelBuilder::default();
+    let mut solids = 0;
+    loop {
+        text.skip_space();
+        if text.is_at_end() {
+            break;
+        }
+        keyword(&mut text, "solid")?;
+        groups.set(text_of(text.rest_of_line()));
+        solids += 1;
+        loop {
+            text.skip_space();
+            if !peek_is(&text, "facet") {
+                break;
+            }
+            facet(&mut text, &mut builder)?;
+            groups.fill(builder.faces.len());
+        }
+        if text.is_at_end() {
+            return Err(ended(&text, "a solid"));
+        }
+        keyword(&mut text, "endsolid")?;
+        // The name again.
+        text.skip_line();
+    }
+    let mut data = builder.finish();
+    if solids > 1 {
+        data.groups = groups.finish();
+    }
+    Ok(data)
+}
+
+fn ended(text: &Scanner<'_>, within: &str) -> ParseError {
+    text.error(format!("the file ends within {within}"))
+}
+
+fn peek_is(text: &Scanner<'_>, expected: &str) -> bool {
+    let mut text = *text;
+    text.word().eq_ignore_ascii_case(expected.as_bytes())
+}
+
+/// Reads one word that must be there, in any case.
+fn keyword(text: &mut Scanner<'_>, expected: &str) -> Result<(), ParseError> {
+    text.skip_space();
+    let start = *text;
+    if text.word().eq_ignore_ascii_case(expected.as_bytes()) {
+        return Ok(());
+    }
+    Err(start.unexpected(expected))
+}
+
+/// Reads `facet … outer loop`, three vertices, and what ends them. The normal is not needed.
+fn facet(text: &mut Scanner<'_>, builder: &mut Builder) -> Result<(), ParseError> {
+    let mut read = || -> Result<[Vec3; 3], ParseError> {
+        keyword(text, "facet")?;
+        text.skip_space();
+        while !peek_is(text, "outer") {
+            if text.word().is_empty() {
+                return Err(text.unexpected("outer loop"));
+            }
+            text.skip_space();
+        }
+        keyword(text, "outer")?;
+        keyword(text, "loop")?;
+        let mut triangle = [Vec3::ZERO; 3];
+        for corner in &mut triangle {
+            keyword(text, "vertex")?;
+            let mut position = [0.0; 3];
+            for x in &mut position {
+                text.skip_space();
+                *x = text.number()?;
+            }
+            *corner = position.into();
+        }
+        keyword(text, "endloop")?;
+        keyword(text, "endfacet")?;
+        Ok(triangle)
+    };
+    match read() {
+        Ok(triangle) => builder.push(triangle, Place::File),
+        Err(_) if text.is_at_end() => Err(ended(text, "a facet")),
+        Err(error) => Err(error),
+    }
+}
+
+/// Writes an STL file: binary with one header, or text with a solid per run of a group.
+pub(crate) fn encode(
+    data: &MeshData,
+    options: &WriteOptions,
+    out: &mut dyn Write,
+) -> Result<Vec<String>, Error> {
+    let mut triangles = Vec::with_capacity(data.faces.len());
+    let mut face_of = Vec::new();
+    let mut cutter = Triangulator::default();
+    let (mut cut, mut dropped) = (0, 0);
+    for (face, corners) in data.faces.iter().enumerate() {
+        cutter.cut(&data.positions, corners, &mut triangles);
+        face_of.resize(triangles.len(), face);
+        cut += usize::from(corners.len() > 3);
+        dropped += usize::from(corners.len() < 3);
+    }
+    let mut notes = Vec::new();
+    if options.ascii {
+        write_text(data, options, &triangles, &face_of, out)?;
+    } else {
+        write_binary(data, &triangles, out)?;
+        notes.extend(rounding_note(data));
+    }
+    notes.extend(triangle_notes(cut, dropped));
+    notes.extend(unused_note(data));
+    notes.extend(left_out(
+        &[
+            (data.normals.is_some(), "normals of vertices"),
+            (data.colours.is_some(), "colours"),
+            (data.uvs.is_some() || data.corner_uvs.is_some(), "texture coordinates"),
+            (data.groups.is_some() && !options.ascii, "groups"),
+            (data.materials.is_some(), "materials"),
+            (data.material_library.is_some(), "the material library"),
+        ],
+        "STL",
+    ));
+    Ok(notes)
+}
+
+/// Says how many polygons became triangles, and how many faces were none.
+pub(crate) fn triangle_notes(cut: usize, dropped: usize) -> Vec<String> {
+    let mut notes = Vec::new();
+    if cut > 0 {
+        notes.push(format!("{} cut into triangles", counted(cut, "polygon")));
+    }
+    if dropped > 0 {
+        notes.push(format!("{} with fewer than 3 corners left out", counted(dropped, "face")));
+    }
+    notes
+}
+
+/// Says so if coordinates are not the same in 32 bits.
+pub(crate) fn rounding_note(data: &MeshData) -> Option<String> {
+    let exact = |x: f64| x.is_nan() || f64::from(x as f32).to_bits() == x.to_bits();
+    let all = data.positions.iter().all(|p| exact(p.x) && exact(p.y) && exact(p.z));
+    (!all).then(|| "coordinates rounded to 32 bits".to_string())
+}
+
+fn unused_note(data: &MeshData) -> Option<String> {
+    let mut used = vec![false; data.positions.len()];
+    data.faces.corners().iter().for_each(|v| used[*v as usize] = true);
+    let unused = used.iter().filter(|used| !**used).count();
+    (unused > 0).then(|| format!("{} of no face left out", counted(unused, "vertex")))
+}
+
+fn corners_of(data: &MeshData, triangle: [u32; 3]) -> ([Vec3; 3], Vec3) {
+    let [a, b, c] = triangle.map(|v| data.positions[v as usize]);
+    ([a, b, c], (b - a).cross(c - a).normalized())
+}
+
+fn write_binary(data: &MeshData, triangles: &[[u32; 3]], out: &mut dyn Write) -> Result<(), Error> {
+    let Ok(count) = u32::try_from(triangles.len()) else {
+        return Err(Error::Unwritable(format!("{} triangles are too many", triangles.len())));
+    };
+    // Not "solid", so that nobody takes the file for a text.
+    let mut header = [0; HEADER];
+    header[..8].copy_from_slice(b"fairform");
+    header[80..].copy_from_slice(&count.to_le_bytes());
+    out.write_all(&header)?;
+    for &triangle in triangles {
+        let ([a, b, c], normal) = corners_of(data, triangle);
+        let mut record = [0; TRIANGLE];
+        let numbers = [normal, a, b, c].into_iter().flat_map(<[f64; 3]>::from);
+        for (bytes, x) in record.as_chunks_mut::<4>().0.iter_mut().zip(numbers) {
+            *bytes = (x as f32).to_le_bytes();
+        }
+        out.write_all(&record)?;
+    }
+    Ok(())
+}
+
+fn write_text(
+    data: &MeshData,
+    options: &WriteOptions,
+    triangles: &[[u32; 3]],
+    face_of: &[usize],
+    out: &mut dyn Write,
+) -> Result<(), Error> {
+    let mut numbers = NumberWriter::new(options.single_precision);
+    let label = |i: usize| data.groups.as_ref().map(|g| g.of_face[face_of[i]]);
+    let name = |label: Option<u32>| match (&data.groups, label) {
+        (Some(groups), Some(label)) => {
+            groups.names[label as usize].replace(|c: char| c.is_control(), " ").trim().to_string()
+        }
+        _ => "fairform".to_string(),
+    };
+    let first = if triangles.is_empty() { None } else { label(0) };
+    let mut current = first;
+    writeln!(out, "solid {}", name(current))?;
+    for (i, &triangle) in triangles.iter().enumerate() {
+        if label(i) != current {
+            writeln!(out, "endsolid {}", name(current))?;
+            current = label(i);
+            writeln!(out, "solid {}", name(current))?;
+        }
+        let (corners, normal) = corners_of(data, triangle);
+        out.write_all(b"  facet normal")?;
+        numbers.write_all(out, &<[f64; 3]>::from(normal))?;
+        out.write_all(b"\n    outer loop\n")?;
+        for p in corners {
+            out.write_all(b"      vertex")?;
+            numbers.write_all(out, &<[f64; 3]>::from(p))?;
+            out.write_all(b"\n")?;
+        }
+        out.write_all(b"    endloop\n  endfacet\n")?;
+    }
+    writeln!(out, "endsolid {}", name(current))?;
+    Ok(())
+}
