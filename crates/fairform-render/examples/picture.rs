@@ -1,6 +1,6 @@
 //! A picture of some meshes, side by side: `picture OUT.png VIEW WORDS FILE.obj|FILE.off …`, where
-//! WORDS are any of flat, wire, boundary, points, cage, unshared, dark, clear, plain, large and
-//! small, joined by `+`.
+//! WORDS are any of flat, wire, boundary, points, cage, unshared, dark, clear, plain, near, large
+//! and small, joined by `+`.
 //!
 //! The reader here knows just enough to read well-formed files; `fairform-io` has the real ones.
 
@@ -49,7 +49,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         () if has("small") => (400, 300),
         () => (1200, 800),
     };
-    let picture = render(&panels, &view.parse::<View>()?, size, &options)?;
+    let zoom = if has("near") { 4.0 } else { 1.0 };
+    let view = View { zoom, ..view.parse()? };
+    let picture = render(&panels, &view, size, &options)?;
     std::fs::write(out, picture.to_png())?;
     Ok(())
 }

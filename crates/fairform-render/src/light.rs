@@ -44,7 +44,7 @@ pub(crate) struct Arrival {
     pub(crate) key: f32,
 }
 
-const SKY: usize = 44;
+const SKY: usize = 110;
 const KEY: usize = 12;
 const FILL: usize = 4;
 const RIM: usize = 4;
@@ -116,7 +116,7 @@ fn lamps(up: Vec3f) -> Vec<Lamp> {
         let (c, s) = on_circle(i);
         let towards = to_f32(Vec3::new(r * c, z, r * s));
         let height = 0.5 + 0.5 * dot(up, towards);
-        let (low, high) = ([0.26, 0.245, 0.23], [0.50, 0.53, 0.58]);
+        let (low, high) = ([0.19, 0.175, 0.165], [0.42, 0.45, 0.50]);
         // A surface under an even sky gets a quarter of what its lamps give in all.
         let share = 4.0 / SKY as f32;
         let light = std::array::from_fn(|k: usize| share * (low[k] + height * (high[k] - low[k])));
@@ -132,7 +132,7 @@ fn lamps(up: Vec3f) -> Vec<Lamp> {
             lamps.push(Lamp { towards, light: light.map(|l| l / count as f32), is_key });
         }
     };
-    disc(key_direction(), 0.16, KEY, [0.66, 0.64, 0.605], true);
+    disc(key_direction(), 0.16, KEY, [0.86, 0.83, 0.78], true);
     disc(Vec3::new(0.85, 0.1, -0.6).normalized(), 0.35, FILL, [0.10, 0.105, 0.115], false);
     disc(Vec3::new(0.35, 0.6, 0.9).normalized(), 0.25, RIM, [0.26, 0.27, 0.29], false);
     lamps
@@ -165,7 +165,7 @@ struct Map {
 }
 
 impl Map {
-    const SIZE: f64 = 256.0;
+    const SIZE: f64 = 160.0;
     /// Texels around the scene that nothing covers.
     const BORDER: f64 = 2.0;
 
@@ -186,7 +186,7 @@ impl Map {
             }
         }
         let side = (high[0] - low[0]).max(high[1] - low[1]).max(1e-9);
-        let scale = (Self::SIZE * if lamp.is_key { 2.0 } else { 1.0 }) / side;
+        let scale = (Self::SIZE * if lamp.is_key { 3.0 } else { 1.0 }) / side;
         let origin = low.map(|l| l * scale - Self::BORDER);
         #[expect(clippy::cast_sign_loss, reason = "high is not below low")]
         let [width, height] =
@@ -281,7 +281,7 @@ struct Ground {
 impl Ground {
     const CELLS: usize = 224;
     /// Half the side of the plane; a scene is about 2 long.
-    const REACH: f32 = 3.2;
+    const REACH: f32 = 2.8;
     const DARKNESS: f32 = 0.62;
 
     fn new(scene: &Scene, casters: &[[u32; 3]], up: Vec3f, lights: &Lights) -> Self {
@@ -310,7 +310,7 @@ impl Ground {
             (0..Self::CELLS).map(|i| lights.missing(place(i, j), up)).collect::<Vec<f32>>()
         });
         let mut dark = rows.concat();
-        for _ in 0..2 {
+        for _ in 0..4 {
             blur(&mut dark, Self::CELLS);
         }
         for (i, dark) in dark.iter_mut().enumerate() {
@@ -319,7 +319,7 @@ impl Ground {
             let (x, y) = (from_middle(i % Self::CELLS), from_middle(i / Self::CELLS));
             let rest = 1.0 - (x * x + y * y).min(1.0);
             // No trace of a shadow that nobody would see.
-            *dark = (*dark * Self::DARKNESS * rest - 0.004).max(0.0);
+            *dark = (*dark * Self::DARKNESS * rest - 0.012).max(0.0);
         }
         let axes = [u, v].map(|axis| axis.map(|a| a * scale));
         let origin = middle.map(|m| (m - Self::REACH) * scale);
@@ -356,7 +356,7 @@ impl Lights {
         for (lamp, map) in self.lamps.iter().zip(&self.maps) {
             let slope = dot(up, lamp.towards);
             // Lamps near the horizon throw shadows out of the picture.
-            if slope > 0.15 {
+            if slope > 0.3 {
                 let weight = slope * lamp.light[1];
                 all += weight;
                 lost += weight * (1.0 - map.seen(p, up));

@@ -303,6 +303,39 @@ impl Tile {
         }
     }
 
+    /// The pixel of the tile at a place of the picture.
+    fn pixel_at(&self, x: f64, y: f64) -> Option<usize> {
+        let (column, row) = ((x - self.left as f64).floor(), (y - self.top as f64).floor());
+        let inside =
+            column >= 0.0 && row >= 0.0 && column < self.width as f64 && row < self.height as f64;
+        #[expect(clippy::cast_sign_loss, reason = "inside")]
+        inside.then_some(row as usize * self.width + column as usize)
+    }
+
+    /// Whether what is seen at a sample hides the stroke, which is at the depth `1 / near` there.
+    fn hides(
+        &self,
+        at: usize,
+        sample: usize,
+        stroke: &Stroke,
+        near: f32,
+        scene: &Scene,
+        slope: &mut Slope,
+    ) -> bool {
+        let (surface, seen) = (self.near[at][sample], self.id[at][sample]);
+        let pixel = near / slope.focal;
+        let raised = near + 1.5 * pixel;
+        if raised >= surface {
+            return false;
+        }
+        let at_edge = scene.triangles.get(seen as usize);
+        if at_edge.is_some_and(|t| stroke.faces.contains(&t.face)) {
+            return false;
+        }
+        let beside = slope.of(seen, scene) * (stroke.reach + 0.5);
+        raised + beside.min(3.0 * pixel) < surface
+    }
+
     /// A stroke is hidden by what is nearer, except by the faces at its edge: where one of these is
     /// seen beside the edge, so is the edge, however steep the face.
     fn draw_stroke(&mut self, stroke: &Stroke, id: u32, scene: &Scene, focal: f32) {
@@ -312,8 +345,8 @@ impl Tile {
         let reach = f64::from(stroke.reach);
         let rows =
             Self::clip(a[1].min(b[1]) - reach, a[1].max(b[1]) + reach, self.top, self.height);
-        let pixel = 1.0 / focal;
-        let mut slope = (NONE, 0.0);
+        let mut slope = Slope { triangle: NONE, per_pixel: 0.0, focal };
+        let mut core = (None, true);
         for row in rows {
             let top = (self.top + row) as f64;
             // The part of the stroke that reaches this row.
@@ -338,19 +371,20 @@ impl Tile {
                         continue;
                     }
                     let near = (a[2] + t * (b[2] - a[2])) as f32;
-                    let raised = near * (1.0 + 1.5 * pixel);
-                    let seen = self.id[at][k];
-                    let hidden = raised < self.near[at][k] && {
-                        let triangle = scene.triangles.get(seen as usize);
-                        !triangle.is_some_and(|t| stroke.faces.contains(&t.face)) && {
-                            if slope.0 != seen {
-                                slope = (seen, steepness(scene, seen as usize));
-                            }
-                            let beside = slope.1 * (stroke.reach + 0.5);
-                            raised + beside.min(6.0 * pixel * near) < self.near[at][k]
-                        }
-                    };
-                    if !hidden && raised >= self.stroke_near[at][k] {
+                    let raised = near * (1.0 + 1.5 / focal);
+                    // Where the line itself is hidden its width must not stick out.
+                    let middle = self.pixel_at(a[0] + t * dx, a[1] + t * dy);
+                    if middle != core.0 {
+                        core.0 = middle;
+                        core.1 = middle.is_none_or(|at| {
+                            (0..SAMPLES)
+                                .any(|k| !self.hides(at, k, stroke, near, scene, &mut slope))
+                        });
+                    }
+                    if core.1
+                        && raised >= self.stroke_near[at][k]
+                        && !self.hides(at, k, stroke, near, scene, &mut slope)
+                    {
                         self.stroke_near[at][k] = near;
                         self.stroke[at][k] = id;
                     }
@@ -360,13 +394,25 @@ impl Tile {
     }
 }
 
-/// How much one over the depth changes over a pixel.
-fn steepness(scene: &Scene, triangle: usize) -> f32 {
-    if triangle >= scene.triangles.len() {
-        return 0.0;
+/// How steep the triangle is that was asked for last.
+struct Slope {
+    triangle: u32,
+    /// Change of one over the depth.
+    per_pixel: f32,
+    focal: f32,
+}
+
+impl Slope {
+    fn of(&mut self, triangle: u32, scene: &Scene) -> f32 {
+        if self.triangle != triangle {
+            let is_triangle = (triangle as usize) < scene.triangles.len();
+            let setup = is_triangle.then(|| Setup::new(scene, triangle as usize)).flatten();
+            let slope = setup.map_or([0.0; 3], |setup| setup.depth_plane());
+            self.triangle = triangle;
+            self.per_pixel = (slope[0].abs() + slope[1].abs()) as f32;
+        }
+        self.per_pixel
     }
-    let plane = Setup::new(scene, triangle).map(|setup| setup.depth_plane());
-    plane.map_or(0.0, |[a, b, _]| (a.abs() + b.abs()) as f32)
 }
 
 /// The samples that a translucent triangle covers: as many of sixteen as its opacity says, others

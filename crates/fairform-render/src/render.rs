@@ -40,7 +40,7 @@ impl Default for Options {
             ground: true,
             shared: true,
             columns: None,
-            title_size: 50.0,
+            title_size: 38.0,
         }
     }
 }
@@ -174,28 +174,37 @@ fn draw_panel(
 ) {
     let unit = layout.width.min(layout.height) as f64 / 1000.0;
     let scene = Scene::new(panel, camera, unit);
-    let [_, up, towards] = view.axes();
     // The vertical of the input as the camera sees it.
     let vertical = match view.up {
         crate::Axis::X => [1.0, 0.0, 0.0],
         crate::Axis::Y => [0.0, 1.0, 0.0],
         crate::Axis::Z => [0.0, 0.0, 1.0],
     };
-    debug_assert!(up.dot(towards).abs() < 1e-9);
     let lights = Lights::new(&scene, camera.turn(vertical.into()), options.shadows, options.ground);
     let background = options.background.linear();
-    let shading = Shading { scene: &scene, lights: &lights, camera, background };
     let bounds = Bounds::new(&scene);
-    let (width, height) = (layout.width, layout.height);
+    // Also behind the title, where the ground goes on.
+    let (width, height) = (layout.width, layout.height + layout.strip);
+    let size = [width as f64, height as f64];
+    let shading = Shading { scene: &scene, lights: &lights, camera, background, size };
+    // A stroke looks at the line in its middle, which may lie in the next tile.
+    #[expect(clippy::cast_sign_loss, reason = "half a width")]
+    let apron = scene.strokes.iter().map(|s| s.reach.ceil() as usize).max().unwrap_or(0);
     let rows = par::map(height.div_ceil(TILE[1]), |row| {
         let (top, bottom) = (row * TILE[1], (row * TILE[1] + TILE[1]).min(height));
-        let in_row = bounds.touching(None, [0, top, width, bottom]);
+        let in_row = bounds.touching(None, [0, top.saturating_sub(apron), width, bottom + apron]);
         par::map(width.div_ceil(TILE[0]), |column| {
             let (left, right) = (column * TILE[0], (column * TILE[0] + TILE[0]).min(width));
             let rectangle = [left, top, right, bottom];
-            let parts = bounds.touching(Some(&in_row), rectangle);
-            let tile = Tile::draw(&scene, &parts, camera.focal, rectangle);
-            (rectangle, shading.pixels(&tile))
+            let drawn = [
+                left.saturating_sub(apron),
+                top.saturating_sub(apron),
+                (right + apron).min(width),
+                (bottom + apron).min(height),
+            ];
+            let parts = bounds.touching(Some(&in_row), drawn);
+            let tile = Tile::draw(&scene, &parts, camera.focal, drawn);
+            (rectangle, shading.pixels(&tile, rectangle))
         })
     });
     for ([left, top, right, _], pixels) in rows.into_iter().flatten() {

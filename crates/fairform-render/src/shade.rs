@@ -18,6 +18,8 @@ pub(crate) struct Shading<'a> {
     pub(crate) camera: &'a Camera,
     /// Linear light and opacity.
     pub(crate) background: [f32; 4],
+    /// Of the panel in pixels.
+    pub(crate) size: [f64; 2],
 }
 
 /// A place of a surface.
@@ -32,9 +34,15 @@ struct Place {
 }
 
 impl Shading<'_> {
-    /// The pixels of a tile, row by row.
-    pub(crate) fn pixels(&self, tile: &Tile) -> Vec<[u8; 4]> {
-        (0..tile.width * tile.height).map(|at| encoded(self.pixel(tile, at))).collect()
+    /// The pixels of a rectangle (left, top, right, bottom) in a tile, row by row.
+    pub(crate) fn pixels(
+        &self,
+        tile: &Tile,
+        [left, top, right, bottom]: [usize; 4],
+    ) -> Vec<[u8; 4]> {
+        let start = |row: usize| (row - tile.top) * tile.width + left - tile.left;
+        let rows = (top..bottom).map(|row| start(row)..start(row) + right - left);
+        rows.flatten().map(|at| encoded(self.pixel(tile, at))).collect()
     }
 
     /// The mean over the samples. Each triangle is shaded once per pixel, in the middle of the
@@ -101,7 +109,12 @@ impl Shading<'_> {
     /// The background with the shadow on the ground.
     fn behind(&self, x: f64, y: f64) -> Premultiplied {
         let [r, g, b, a] = self.background;
-        let ground = self.lights.ground_shadow(self.camera.ray(x, y));
+        let shadow = self.lights.ground_shadow(self.camera.ray(x, y));
+        // Fades at the border of the panel, so that no border shows.
+        let [width, height] = self.size;
+        let free = x.min(width - x).min(y).min(height - y) / (0.12 * width.min(height));
+        let free = free.clamp(0.0, 1.0) as f32;
+        let ground = shadow * free * free * (3.0 - 2.0 * free);
         over([0.0, 0.0, 0.0, ground], [r * a, g * a, b * a, a])
     }
 
@@ -120,12 +133,17 @@ impl Shading<'_> {
         let weights = setup.weights(x, y);
         let corners = triangle.corners.map(|c| c as usize);
         let position: Vec3 = (0..3).map(|i| weights[i] * scene.points[corners[i]]).sum();
-        let weights = weights.map(|w| w as f32);
-        let mixed = |of: [&[f32]; 3], k: usize| (0..3).map(|i| weights[i] * of[i][k]).sum::<f32>();
+        let mixed =
+            |of: [&[f32]; 3], k: usize| (0..3).map(|i| weights[i] as f32 * of[i][k]).sum::<f32>();
 
         let [a, b, c] = corners.map(|c| scene.points[c]);
         let side = unit(to_f32((b - a).cross(c - a).normalized()))?;
-        let position = to_f32(position);
+        let facing = if setup.front { 1.0 } else { -1.0 };
+        let position = if material.smooth {
+            to_f32(position + facing * self.bulge(position, corners, weights, facing))
+        } else {
+            to_f32(position)
+        };
         let side = if dot(side, position) > 0.0 { side.map(|s| -s) } else { side };
         let normal = if material.smooth {
             let of = corners.map(|c| &scene.normals[c][..]);
@@ -148,6 +166,18 @@ impl Shading<'_> {
                 std::array::from_fn(|k| material.back[k] + own * (colour[k] - material.back[k]));
         }
         Some(Place { position, normal, side, colour, gloss: material.gloss })
+    }
+
+    /// From a place of a triangle to the smooth surface that its normals pretend, so that a coarse
+    /// mesh throws no facets of shadow on itself. \[Hanika2021\]
+    fn bulge(&self, p: Vec3, corners: [usize; 3], weights: [f64; 3], facing: f64) -> Vec3 {
+        (0..3)
+            .map(|i| {
+                let normal = Vec3::from(self.scene.normals[corners[i]].map(f64::from));
+                let below = facing * (self.scene.points[corners[i]] - p).dot(normal);
+                weights[i] * below.max(0.0) * normal
+            })
+            .sum()
     }
 
     fn place_on_ball(&self, ball: usize, x: f64, y: f64) -> Option<Place> {
