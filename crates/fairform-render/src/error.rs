@@ -1,0 +1,99 @@
+//! [`RenderError`]: why a picture could not be made.
+
+use fairform::{FaceId, VertexId};
+
+/// Why a picture could not be made. Panels and bodies are counted from 0.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// The picture would be empty or larger than the limits.
+    #[error(
+        "a picture of {width}x{height} pixels cannot be made: sides are 1 to {max}, {pixels} pixels \
+         in all at most",
+        max = crate::MAX_SIDE,
+        pixels = crate::MAX_PIXELS
+    )]
+    Size {
+        /// Asked width in pixels.
+        width: u32,
+        /// Asked height in pixels.
+        height: u32,
+    },
+    /// The panels do not find room in the picture.
+    #[error("{panels} panels do not fit into {width}x{height} pixels")]
+    NoRoom {
+        /// Number of panels.
+        panels: usize,
+        /// Width of the picture in pixels.
+        width: u32,
+        /// Height of the picture in pixels.
+        height: u32,
+    },
+    /// A number of the view is outside its range.
+    #[error("the view's {what} is {value}, but must be {range}")]
+    View {
+        /// Which number.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        range: &'static str,
+    },
+    /// A number of a style or option is outside its range.
+    #[error("{what} is {value}, but must be {range}")]
+    Style {
+        /// Which number.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        range: &'static str,
+    },
+    /// A face lists a vertex that its body does not have.
+    #[error(
+        "panel {panel}, body {body}: face {face} lists vertex {vertex}, but there are \
+         {vertex_count} vertices"
+    )]
+    NoSuchVertex {
+        /// Panel.
+        panel: usize,
+        /// Body in the panel.
+        body: usize,
+        /// Face in the body.
+        face: FaceId,
+        /// The vertex it lists.
+        vertex: VertexId,
+        /// Number of vertices of the body.
+        vertex_count: usize,
+    },
+    /// A drawn vertex has a coordinate that is NaN or infinite.
+    #[error("panel {panel}, body {body}: vertex {vertex} has a coordinate that is not finite")]
+    NotFinite {
+        /// Panel.
+        panel: usize,
+        /// Body in the panel.
+        body: usize,
+        /// The vertex.
+        vertex: VertexId,
+    },
+    /// Normals or colours are not one per vertex.
+    #[error("panel {panel}, body {body}: {given} {what} are given for {vertex_count} vertices")]
+    Count {
+        /// Panel.
+        panel: usize,
+        /// Body in the panel.
+        body: usize,
+        /// `"normals"` or `"colours"`.
+        what: &'static str,
+        /// How many are given.
+        given: usize,
+        /// Number of vertices of the body.
+        vertex_count: usize,
+    },
+    /// A panel holds more vertices or corners than can be numbered.
+    #[error("panel {panel} holds more than 2^30 vertices and corners")]
+    TooLarge {
+        /// Panel.
+        panel: usize,
+    },
+}

@@ -1,0 +1,41 @@
+//! Pictures of meshes and plots of numbers, without a window and without a GPU.
+//!
+//! ```
+//! use fairform::{Faces, Vec3};
+//! use fairform_render::{Body, Options, Panel, View, render};
+//!
+//! let positions = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]].map(Vec3::from);
+//! let faces: Faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]].into_iter().collect();
+//! let panel = Panel { bodies: vec![Body::new(&positions, &faces)], title: Some("tetra".into()) };
+//! let picture = render(&[panel], &View::default(), (160, 120), &Options::default())?;
+//! assert!(picture.to_png().starts_with(b"\x89PNG"));
+//! # Ok::<(), fairform_render::RenderError>(())
+//! ```
+//!
+//! [`render`] is one straight line: the bodies of a panel become triangles, strokes and dots in
+//! camera space (`scene`), lamps all around see how far their light gets (`light`), tiles of the
+//! picture find what is nearest at sixteen places of every pixel (`raster`) and colour it (`shade`).
+//! The same input gives the same bytes on any number of threads.
+
+mod camera;
+mod colour;
+mod error;
+mod light;
+mod par;
+mod picture;
+mod plot;
+mod polygon;
+mod raster;
+mod render;
+mod scene;
+mod shade;
+mod text;
+mod view;
+
+pub use colour::{Colour, ParseColourError};
+pub use error::RenderError;
+pub use picture::Picture;
+pub use plot::{Series, plot_svg};
+pub use render::{MAX_PIXELS, MAX_SIDE, Options, render};
+pub use scene::{Body, Dot, Line, Panel, Style};
+pub use view::{Axis, ParseViewError, View};

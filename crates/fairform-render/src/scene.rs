@@ -1,0 +1,463 @@
+//! [`Panel`], [`Body`] and [`Style`]: what to draw; and [`Scene`], the same in camera space.
+
+use fairform::{FaceId, Faces, Vec3, VertexId};
+
+use crate::camera::Camera;
+use crate::polygon::{self, Corner};
+use crate::{Colour, RenderError};
+
+/// Bodies drawn together, with a line of text below.
+#[derive(Clone, Debug, Default)]
+pub struct Panel<'a> {
+    /// What is drawn; later strokes lie on top of earlier ones at the same place.
+    pub bodies: Vec<Body<'a>>,
+    /// The text below, if any.
+    pub title: Option<String>,
+}
+
+/// One thing to draw.
+///
+/// Faces of fewer than three corners are not filled; one of two corners is an edge.
+#[derive(Clone, Copy, Debug)]
+pub struct Body<'a> {
+    /// Position of each vertex, in any unit.
+    pub positions: &'a [Vec3],
+    /// Polygons, counter-clockwise seen from outside.
+    pub faces: &'a Faces,
+    /// Normal of each vertex, of any length, for smooth shading. Where absent, zero or not finite,
+    /// the mean of the face normals weighted by the angle of the corner. \[Thürmer1998\]
+    pub normals: Option<&'a [Vec3]>,
+    /// sRGB colour and opacity of each vertex, used instead of the fill's, or for the points where
+    /// there is no fill. A colour that is not finite is ignored.
+    pub colours: Option<&'a [[f64; 4]]>,
+    /// How it looks.
+    pub style: Style,
+}
+
+impl<'a> Body<'a> {
+    /// A smooth surface in the usual colour.
+    #[must_use]
+    pub fn new(positions: &'a [Vec3], faces: &'a Faces) -> Self {
+        Self { positions, faces, normals: None, colours: None, style: Style::default() }
+    }
+}
+
+/// How a body looks.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Style {
+    /// Colour of the surface; `None` draws no surface, and what is behind shows.
+    pub fill: Option<Colour>,
+    /// Colour of the surface seen from behind; its opacity is the fill's.
+    pub back: Colour,
+    /// Whether normals are interpolated over the faces; otherwise each face has one shade.
+    pub smooth: bool,
+    /// Strength of the highlights, from 0 (chalk) to 1 (lacquer).
+    pub gloss: f64,
+    /// Draws the edges of the polygons.
+    pub wireframe: Option<Line>,
+    /// Draws the edges that have a face on one side only.
+    pub boundary: Option<Line>,
+    /// Draws the vertices.
+    pub points: Option<Dot>,
+}
+
+impl Default for Style {
+    fn default() -> Self {
+        Self {
+            fill: Some(Colour::PORCELAIN),
+            back: Colour::CLAY,
+            smooth: true,
+            gloss: 0.35,
+            wireframe: None,
+            boundary: None,
+            points: None,
+        }
+    }
+}
+
+/// A stroke along edges.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Line {
+    /// Colour and opacity.
+    pub colour: Colour,
+    /// Width in thousandths of the shorter side of the panel, so that a picture looks the same at
+    /// any size.
+    pub width: f64,
+}
+
+impl Default for Line {
+    fn default() -> Self {
+        Self { colour: Colour::INK, width: 1.4 }
+    }
+}
+
+/// A little ball at a vertex.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Dot {
+    /// Colour; its opacity is not used.
+    pub colour: Colour,
+    /// Radius in thousandths of the shorter side of the panel.
+    pub radius: f64,
+}
+
+impl Default for Dot {
+    fn default() -> Self {
+        Self { colour: Colour::RED, radius: 6.0 }
+    }
+}
+
+pub(crate) type Vec3f = [f32; 3];
+
+pub(crate) fn to_f32(v: Vec3) -> Vec3f {
+    [v.x as f32, v.y as f32, v.z as f32]
+}
+
+/// The bodies of a panel in camera space, in parts that can be drawn.
+pub(crate) struct Scene {
+    /// Camera space.
+    pub(crate) points: Vec<Vec3>,
+    /// Pixels and one over the depth.
+    pub(crate) screen: Vec<[f64; 3]>,
+    /// Per point, in camera space.
+    pub(crate) normals: Vec<Vec3f>,
+    /// Per point, linear light and opacity; empty if no body has colours of its own.
+    pub(crate) colours: Vec<[f32; 4]>,
+    /// Per face.
+    pub(crate) face_normals: Vec<Vec3f>,
+    pub(crate) triangles: Vec<Triangle>,
+    pub(crate) materials: Vec<Material>,
+    pub(crate) strokes: Vec<Stroke>,
+    pub(crate) balls: Vec<Ball>,
+}
+
+pub(crate) struct Triangle {
+    pub(crate) corners: [u32; 3],
+    pub(crate) face: u32,
+    pub(crate) body: u32,
+}
+
+pub(crate) struct Material {
+    pub(crate) front: [f32; 4],
+    pub(crate) back: Vec3f,
+    pub(crate) smooth: bool,
+    pub(crate) gloss: f32,
+    pub(crate) has_colours: bool,
+}
+
+pub(crate) struct Stroke {
+    pub(crate) ends: [u32; 2],
+    /// Faces on both sides, which cannot hide it.
+    pub(crate) faces: [u32; 2],
+    /// Half the width in pixels.
+    pub(crate) reach: f32,
+    pub(crate) colour: [f32; 4],
+}
+
+pub(crate) struct Ball {
+    pub(crate) point: u32,
+    /// Radius in pixels.
+    pub(crate) radius: f32,
+    pub(crate) colour: Vec3f,
+}
+
+/// Points and corners that a panel may have.
+const LIMIT: usize = 1 << 30;
+
+/// Checks everything that the rest relies on.
+pub(crate) fn check(panel: &Panel, index: usize) -> Result<(), RenderError> {
+    let mut size = 0_usize;
+    for (b, body) in panel.bodies.iter().enumerate() {
+        let vertex_count = body.positions.len();
+        let counts =
+            [("normals", body.normals.map(<[_]>::len)), ("colours", body.colours.map(<[_]>::len))];
+        for (what, given) in counts {
+            if let Some(given) = given.filter(|&given| given != vertex_count) {
+                return Err(RenderError::Count {
+                    panel: index,
+                    body: b,
+                    what,
+                    given,
+                    vertex_count,
+                });
+            }
+        }
+        // A face has at most one point in its middle.
+        size = size
+            .saturating_add(vertex_count)
+            .saturating_add(body.faces.corners().len())
+            .saturating_add(body.faces.len());
+        if size > LIMIT {
+            return Err(RenderError::TooLarge { panel: index });
+        }
+        for (f, face) in body.faces.iter().enumerate() {
+            for &v in face {
+                let (face, vertex) = (FaceId(f as u32), VertexId(v));
+                let Some(p) = body.positions.get(vertex.index()) else {
+                    return Err(RenderError::NoSuchVertex {
+                        panel: index,
+                        body: b,
+                        face,
+                        vertex,
+                        vertex_count,
+                    });
+                };
+                if !p.is_finite() {
+                    return Err(RenderError::NotFinite { panel: index, body: b, vertex });
+                }
+            }
+        }
+        if body.style.points.is_some()
+            && let Some(v) = body.positions.iter().position(|p| !p.is_finite())
+        {
+            return Err(RenderError::NotFinite {
+                panel: index,
+                body: b,
+                vertex: VertexId(v as u32),
+            });
+        }
+        check_style(&body.style)?;
+    }
+    Ok(())
+}
+
+fn check_style(style: &Style) -> Result<(), RenderError> {
+    let sizes = [
+        ("the width of the wireframe", style.wireframe.map_or(1.0, |l| l.width)),
+        ("the width of the boundary", style.boundary.map_or(1.0, |l| l.width)),
+        ("the radius of the points", style.points.map_or(1.0, |d| d.radius)),
+    ];
+    for (what, value) in sizes {
+        if !(0.0..=200.0).contains(&value) {
+            return Err(RenderError::Style { what, value, range: "from 0 to 200" });
+        }
+    }
+    if !(0.0..=1.0).contains(&style.gloss) {
+        return Err(RenderError::Style { what: "gloss", value: style.gloss, range: "from 0 to 1" });
+    }
+    Ok(())
+}
+
+/// The positions that the camera shall see: those of faces, and all where the points are drawn.
+pub(crate) fn seen<'a>(panel: &'a Panel) -> impl Iterator<Item = Vec3> + Clone + 'a {
+    panel.bodies.iter().flat_map(|body| {
+        let all: &[Vec3] = if body.style.points.is_some() { body.positions } else { &[] };
+        let corners: &[u32] = if all.is_empty() { body.faces.corners() } else { &[] };
+        all.iter().copied().chain(corners.iter().map(|&v| body.positions[v as usize]))
+    })
+}
+
+impl Scene {
+    /// The parts of a panel that passed [`check`]; `unit` is the shorter side of the panel in
+    /// thousandths, in pixels.
+    pub(crate) fn new(panel: &Panel, camera: &Camera, unit: f64) -> Self {
+        let mut scene = Self {
+            points: Vec::new(),
+            screen: Vec::new(),
+            normals: Vec::new(),
+            colours: Vec::new(),
+            face_normals: Vec::new(),
+            triangles: Vec::new(),
+            materials: Vec::new(),
+            strokes: Vec::new(),
+            balls: Vec::new(),
+        };
+        let has_colours = panel.bodies.iter().any(|b| b.colours.is_some());
+        for body in &panel.bodies {
+            scene.add(body, camera, unit, has_colours);
+        }
+        scene.screen = scene.points.iter().map(|&p| camera.screen(p)).collect();
+        scene
+    }
+
+    fn add(&mut self, body: &Body, camera: &Camera, unit: f64, has_colours: bool) {
+        let style = &body.style;
+        let first_point = self.points.len() as u32;
+        let first_face = self.face_normals.len() as u32;
+        let flat: Vec<Vec3> = body
+            .positions
+            .iter()
+            // Vertices without a face need not be finite; nothing reads them.
+            .map(|&p| if p.is_finite() { camera.normal(p) } else { Vec3::ZERO })
+            .collect();
+        let (face_normals, vertex_normals) = normals(body, &flat);
+        self.points.extend(flat.iter().map(|&p| camera.place(p)));
+        self.normals.extend(vertex_normals.iter().map(|&n| to_f32(camera.turn(n))));
+        self.face_normals.extend(face_normals.iter().map(|&n| to_f32(camera.turn(n))));
+        let front = style.fill.unwrap_or(Colour::PORCELAIN).linear();
+        if has_colours {
+            self.colours.extend((0..flat.len()).map(|v| own_colour(body, v).unwrap_or(front)));
+        }
+        if let Some(fill) = style.fill {
+            self.fill(body, first_point, first_face, has_colours);
+            let [r, g, b, _] = style.back.linear();
+            self.materials.push(Material {
+                front: fill.linear(),
+                back: [r, g, b],
+                smooth: style.smooth,
+                gloss: style.gloss as f32,
+                has_colours: body.colours.is_some(),
+            });
+        }
+        self.stroke(body, first_point, first_face, unit);
+        if let Some(dot) = style.points.filter(|d| d.radius > 0.0) {
+            self.balls.extend((0..flat.len()).map(|v| {
+                let own = own_colour(body, v).filter(|_| style.fill.is_none());
+                let [r, g, b, _] = own.unwrap_or(dot.colour.linear());
+                let radius = (dot.radius * unit) as f32;
+                Ball { point: first_point + v as u32, radius, colour: [r, g, b] }
+            }));
+        }
+    }
+
+    fn fill(&mut self, body: &Body, first_point: u32, first_face: u32, has_colours: bool) {
+        let number = self.materials.len() as u32;
+        let (mut corners, mut places): (Vec<u32>, Vec<Vec3>) = (Vec::new(), Vec::new());
+        for (f, face) in body.faces.iter().enumerate().filter(|(_, face)| face.len() >= 3) {
+            corners.clear();
+            corners.extend(face.iter().map(|v| first_point + v));
+            places.clear();
+            places.extend(corners.iter().map(|&c| self.points[c as usize]));
+            let middle = self.points.len() as u32;
+            let mut uses_middle = false;
+            let triangles = &mut self.triangles;
+            polygon::fill(&places, |triangle| {
+                let corners = triangle.map(|c| match c {
+                    Corner::At(i) => corners[i],
+                    Corner::Middle => {
+                        uses_middle = true;
+                        middle
+                    }
+                });
+                triangles.push(Triangle { corners, face: first_face + f as u32, body: number });
+            });
+            if uses_middle {
+                let n = corners.len() as f32;
+                self.points.push(places.iter().copied().sum::<Vec3>() / f64::from(n));
+                self.normals.push(mean(corners.iter().map(|&c| self.normals[c as usize]), n));
+                if has_colours {
+                    let own = mean(corners.iter().map(|&c| self.colours[c as usize]), n);
+                    self.colours.push(own);
+                }
+            }
+        }
+    }
+
+    fn stroke(&mut self, body: &Body, first_point: u32, first_face: u32, unit: f64) {
+        let style = &body.style;
+        if style.wireframe.is_none() && style.boundary.is_none() {
+            return;
+        }
+        let edges = edges(body.faces);
+        let mut draw = |line: Option<Line>, only_boundary: bool| {
+            let Some(line) = line.filter(|l| l.width > 0.0) else { return };
+            let kept = edges.iter().filter(|e| !only_boundary || e.count == 1);
+            self.strokes.extend(kept.map(|e| Stroke {
+                ends: e.ends.map(|v| first_point + v),
+                faces: e.faces.map(|f| first_face + f),
+                reach: (0.5 * line.width * unit) as f32,
+                colour: line.colour.linear(),
+            }));
+        };
+        draw(style.wireframe, false);
+        draw(style.boundary, true);
+    }
+}
+
+fn mean<const N: usize>(all: impl Iterator<Item = [f32; N]>, count: f32) -> [f32; N] {
+    let sum = all.fold([0.0; N], |sum, a| std::array::from_fn(|i| sum[i] + a[i]));
+    sum.map(|s| s / count)
+}
+
+fn own_colour(body: &Body, vertex: usize) -> Option<[f32; 4]> {
+    let colour = body.colours?[vertex];
+    colour.iter().all(|c| c.is_finite()).then(|| Colour::from(colour).linear())
+}
+
+/// Unit normals of the faces and of the vertices; zero where there is none.
+fn normals(body: &Body, positions: &[Vec3]) -> (Vec<Vec3>, Vec<Vec3>) {
+    let mut of_vertices = vec![Vec3::ZERO; positions.len()];
+    let mut corners: Vec<Vec3> = Vec::new();
+    let of_faces = body
+        .faces
+        .iter()
+        .map(|face| {
+            corners.clear();
+            corners.extend(face.iter().map(|&v| positions[v as usize]));
+            let normal = polygon::area_vector(&corners).normalized();
+            let n = face.len();
+            for i in 0..n {
+                let p = corners[i];
+                let a = (corners[(i + 1) % n] - p).normalized();
+                let b = (corners[(i + n - 1) % n] - p).normalized();
+                let angle = libm::acos(a.dot(b).clamp(-1.0, 1.0));
+                of_vertices[face[i] as usize] += angle * normal;
+            }
+            normal
+        })
+        .collect();
+    for (v, normal) in of_vertices.iter_mut().enumerate() {
+        let given = body.normals.map_or(Vec3::ZERO, |given| given[v]);
+        *normal =
+            if given.is_finite() && given != Vec3::ZERO { given } else { *normal }.normalized();
+    }
+    (of_faces, of_vertices)
+}
+
+struct Edge {
+    ends: [u32; 2],
+    /// The first two faces; the first twice if there is only one.
+    faces: [u32; 2],
+    count: u32,
+}
+
+/// The edges of the polygons, each once, in order of their ends.
+fn edges(faces: &Faces) -> Vec<Edge> {
+    let mut sides: Vec<([u32; 2], u32)> = Vec::with_capacity(faces.corners().len());
+    for (f, face) in faces.iter().enumerate() {
+        let n = if face.len() == 2 { 1 } else { face.len() };
+        let ends = (0..n).map(|i| (face[i], face[(i + 1) % face.len()]));
+        sides.extend(ends.filter(|(a, b)| a != b).map(|(a, b)| ([a.min(b), a.max(b)], f as u32)));
+    }
+    sides.sort_unstable();
+    sides
+        .chunk_by(|a, b| a.0 == b.0)
+        .map(|same| {
+            let count = same.len() as u32;
+            Edge { ends: same[0].0, faces: [same[0].1, same[usize::from(count > 1)].1], count }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edges_know_their_faces() {
+        let faces: Faces = [&[0, 1, 2][..], &[2, 1, 3], &[5, 4], &[7]].into_iter().collect();
+        let found: Vec<_> = edges(&faces).iter().map(|e| (e.ends, e.count)).collect();
+        let expected =
+            [([0, 1], 1), ([0, 2], 1), ([1, 2], 2), ([1, 3], 1), ([2, 3], 1), ([4, 5], 1)];
+        assert_eq!(found, expected);
+    }
+
+    /// The corner of a cube points along its diagonal also if one side is two triangles.
+    #[test]
+    fn normals_do_not_depend_on_diagonals() {
+        let p = [
+            [0., 0., 0.],
+            [1., 0., 0.],
+            [0., 1., 0.],
+            [0., 0., 1.],
+            [1., 1., 0.],
+            [1., 0., 1.],
+            [0., 1., 1.],
+        ]
+        .map(Vec3::from);
+        let faces: Faces =
+            [&[0, 2, 4][..], &[0, 4, 1], &[0, 1, 5, 3], &[0, 3, 6, 2]].into_iter().collect();
+        let (_, normals) = normals(&Body::new(&p, &faces), &p);
+        let diagonal = Vec3::splat(-1.0).normalized();
+        assert!((normals[0] - diagonal).length() < 1e-15, "{:?}", normals[0]);
+    }
+}
