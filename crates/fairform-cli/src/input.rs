@@ -56,8 +56,11 @@ pub(crate) fn check_output(path: &Path, writing: &Writing) -> Result<(), Failure
     if writing.to.is_some() || Format::from_path(path).is_some() {
         return Ok(());
     }
-    let what =
-        if is_dash(path) { "standard output has".into() } else { format!("{}: has", path.display()) };
+    let what = if is_dash(path) {
+        "standard output has".into()
+    } else {
+        format!("{}: has", path.display())
+    };
     Err(Failure::new(format!("{what} no name that tells its format"))
         .help("say it with --to obj, off, ply, stl, gltf or glb"))
 }

@@ -152,7 +152,8 @@ fn tell(
 ) {
     for stage in &report.stages {
         let (last, solve) = (stage.solve.last(), &stage.solve);
-        let predicted = solve.predicted.map_or(String::new(), |k| format!(" (at most {k} expected)"));
+        let predicted =
+            solve.predicted.map_or(String::new(), |k| format!(" (at most {k} expected)"));
         console.note(format!(
             "{}: {} vertices, {} iterations{predicted}, {}; error max {:.3e}, mean {:.3e}",
             stage.name,
@@ -269,10 +270,15 @@ fn picture(target: &Mesh, surface: &MeshData) -> Result<Vec<u8>, Failure> {
     points.style.points = Some(Dot { colour: Colour::RED, ..dot });
     let panels = [
         Panel { bodies: vec![given], title: Some("the mesh".into()) },
-        Panel { bodies: vec![smooth, points], title: Some("the surface through its vertices".into()) },
+        Panel {
+            bodies: vec![smooth, points],
+            title: Some("the surface through its vertices".into()),
+        },
     ];
     let options = fairform_render::Options::default();
-    let picture = fairform_render::render(&panels, &View::default(), (1800, 1000), &options)?;
+    // Spot looks towards −z.
+    let view = View { azimuth: 145.0, elevation: 15.0, ..View::default() };
+    let picture = fairform_render::render(&panels, &view, (1800, 1000), &options)?;
     Ok(picture.to_png())
 }
 

@@ -102,7 +102,8 @@ impl Facts {
             [(3, _)] => "triangles".into(),
             [(4, _)] => "quadrilaterals".into(),
             several => {
-                let one = |(corners, n): &(&usize, &usize)| format!("{} {corners}-gons", count(**n));
+                let one =
+                    |(corners, n): &(&usize, &usize)| format!("{} {corners}-gons", count(**n));
                 several.iter().map(one).collect::<Vec<_>>().join(", ")
             }
         }
@@ -148,10 +149,7 @@ impl Facts {
         let (min, max) = (self.bounds.min, self.bounds.max);
         row(
             "box",
-            format!(
-                "x {} to {}, y {} to {}, z {} to {}",
-                min.x, max.x, min.y, max.y, min.z, max.z
-            ),
+            format!("x {} to {}, y {} to {}, z {} to {}", min.x, max.x, min.y, max.y, min.z, max.z),
         );
         match &self.connectivity {
             Ok(c) => {
@@ -203,8 +201,9 @@ impl Facts {
 impl Connectivity {
     fn new(topology: &Topology) -> Self {
         let components = topology.components().list;
-        let valences =
-            || topology.vertices().filter(|&v| !topology.is_isolated(v)).map(|v| topology.valence(v));
+        let valences = || {
+            topology.vertices().filter(|&v| !topology.is_isolated(v)).map(|v| topology.valence(v))
+        };
         Self {
             edges: topology.edge_count(),
             loops: topology.boundary_loops().len(),
