@@ -130,7 +130,9 @@ proptest! {
     #[test]
     fn changed_files_give_a_mesh_or_an_error(seed in any::<Index>(), changes in vec(change(), 1..5)) {
         let (format, mut bytes) = SEEDS[seed.index(SEEDS.len())].clone();
-        changes.iter().for_each(|change| change.apply(&mut bytes));
+        for change in &changes {
+            change.apply(&mut bytes);
+        }
         check(&bytes, format)?;
     }
 
