@@ -144,7 +144,8 @@ impl<'a, 'o> Progress<'a, 'o> {
         if first <= tolerance {
             return Some(0);
         }
-        let updates = libm::ceil(libm::log(tolerance / (constant * first)) / libm::log(contraction));
+        let updates =
+            libm::ceil(libm::log(tolerance / (constant * first)) / libm::log(contraction));
         // A float out of range is clamped by the cast.
         Some(updates as u32)
     }
