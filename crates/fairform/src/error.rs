@@ -136,6 +136,9 @@ pub enum Error {
         /// How many half-edges it would have.
         halfedges: u64,
     },
+    /// Conjugate gradients need a symmetric operator.
+    #[error("conjugate gradients do not work beside creases that end or fade; use another method")]
+    NotSymmetric,
     /// An option is out of its range.
     #[error("{what} must be {expected}, not {value}")]
     BadOption {
@@ -145,6 +148,40 @@ pub enum Error {
         expected: &'static str,
         /// What was given.
         value: f64,
+    },
+    /// A shape parameter is out of its range.
+    #[error("the shape parameter of face {face} is {value}; it must be above 0 and at most 1")]
+    BadTension {
+        /// The first such face.
+        face: FaceId,
+        /// Its parameter.
+        value: f64,
+    },
+    /// A list of the wrong length.
+    #[error("expected {expected} values, one for each: {what}")]
+    WrongCount {
+        /// What the list holds.
+        what: &'static str,
+        /// How many there should be.
+        expected: usize,
+    },
+    /// A choice that a scheme does not know.
+    #[error("the {scheme} scheme does not know {what}")]
+    NotForScheme {
+        /// The choice.
+        what: &'static str,
+        /// The scheme's name.
+        scheme: &'static str,
+    },
+    /// A vertex whose limit point no rule gives.
+    #[error("vertex {vertex} has no limit point in the {scheme} scheme: {reason}")]
+    NoLimit {
+        /// The vertex.
+        vertex: VertexId,
+        /// The scheme's name.
+        scheme: &'static str,
+        /// Why.
+        reason: &'static str,
     },
     /// The coordinates are so large that sums of them overflow.
     #[error("coordinates up to {largest:e} overflow when they are added; scale the mesh down")]

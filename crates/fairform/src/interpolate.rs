@@ -6,16 +6,18 @@ use core::fmt;
 use core::ops::ControlFlow;
 use core::str::FromStr;
 
+use crate::crease::Kind;
 use crate::error::Error;
 use crate::ids::{NONE, VertexId};
-use crate::limit::limit_points;
-use crate::limit::operator::{CurveOperator, CurveRow, RingOperator};
+use crate::limit::operator::{RingOperator, RowOperator};
+use crate::limit::{self, LimitRows, limit_points};
 use crate::mesh::Bounds;
-use crate::rules::{BoundaryKinds, boundary_neighbours};
+use crate::refine::DooSabinRows;
+use crate::rules::BoundaryKinds;
 use crate::scheme::loop_scheme::{BoundaryKind, boundary_scale};
-use crate::scheme::{Corners, Scheme};
+use crate::scheme::{Rules, Scheme, catmull_clark, doo_sabin, loop_scheme};
 use crate::solve::{Interval, LinearOperator, Outcome, Report, Step, Stop};
-use crate::{Mesh, Topology, Vec3, order, par, solve};
+use crate::{Mesh, Topology, Vec3, order, par, rows, solve};
 
 /// How control points are found. All methods have the same answer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -123,10 +125,6 @@ pub struct UnknownName(&'static str);
 /// How to fit.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Options {
-    /// The subdivision scheme whose limit surface interpolates.
-    pub scheme: Scheme,
-    /// What happens at corners of the boundary.
-    pub corners: Corners,
     /// The solver.
     pub method: Method,
     /// Unit of the tolerance and of the residuals in the report.
@@ -141,8 +139,6 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
-            scheme: Scheme::default(),
-            corners: Corners::default(),
             method: Method::default(),
             norm: Norm::default(),
             tolerance: Some(1e-6),
@@ -169,9 +165,10 @@ impl Options {
 pub enum StageName {
     /// All vertices of a mesh without boundary.
     Closed,
-    /// The boundary vertices, whose limit curves depend on nothing else.
+    /// The vertices on the boundary, and on creases that run from corner to corner or around: their
+    /// limit curves depend on nothing else.
     Boundary,
-    /// The interior vertices, with the boundary known.
+    /// All others, with the boundary known.
     Interior,
 }
 
@@ -234,23 +231,25 @@ pub type Observer<'a> = dyn FnMut(StageName, Step) -> ControlFlow<()> + 'a;
 /// The control mesh whose limit surface passes through every vertex of `target`.
 ///
 /// ```
-/// use fairform::{interpolate, limit, shapes};
+/// use fairform::{Rules, interpolate, limit, shapes};
 /// let target = shapes::icosahedron();
 /// let options = interpolate::Options::default();
-/// let (control, report) = interpolate::interpolate(&target, &options)?;
+/// let (control, report) = interpolate::interpolate(&target, &Rules::LOOP, &options)?;
 /// assert!(report.is_converged() && report.max <= 1e-6);
-/// let surface = limit::limit_points(
-///     control.topology(), control.positions(), options.scheme, options.corners,
-/// )?;
+/// let surface = limit::limit_points(control.topology(), control.positions(), &Rules::LOOP)?;
 /// assert!((surface[0] - target.positions()[0]).length() <= 1e-6 * target.bounds().diagonal());
 /// # Ok::<(), fairform::Error>(())
 /// ```
 ///
 /// # Errors
-/// [`Error::NoVertices`], [`Error::BadOption`], and as [`Scheme::check`]. Not converging is no
-/// error: the report says so.
-pub fn interpolate(target: &Mesh, options: &Options) -> Result<(Mesh, FitReport), Error> {
-    let interpolator = Interpolator::new(target.topology(), options.scheme, options.corners)?;
+/// As [`Interpolator::new`] and [`Interpolator::fit`]. Not converging is no error: the report says
+/// so.
+pub fn interpolate(
+    target: &Mesh,
+    rules: &Rules,
+    options: &Options,
+) -> Result<(Mesh, FitReport), Error> {
+    let interpolator = Interpolator::new(target.topology(), rules)?;
     let mut ignore = |_, _| ControlFlow::Continue(());
     let (control, report) = interpolator.fit(target.positions(), options, &mut ignore)?;
     Ok((target.with_positions(control), report))
@@ -261,8 +260,7 @@ pub fn interpolate(target: &Mesh, options: &Options) -> Result<(Mesh, FitReport)
 #[derive(Clone, Debug)]
 pub struct Interpolator<'t> {
     topology: &'t Topology,
-    scheme: Scheme,
-    corners: Corners,
+    rules: &'t Rules,
     stages: Vec<Stage>,
 }
 
@@ -277,51 +275,51 @@ struct Stage {
 #[derive(Clone, Debug)]
 enum StageOperator {
     Ring(RingOperator),
-    Curve(CurveOperator),
+    Rows(RowOperator),
 }
 
 impl<'t> Interpolator<'t> {
     /// Prepares the limit operator of a topology.
     ///
     /// # Errors
-    /// [`Error::NoVertices`], and as [`Scheme::check`].
-    pub fn new(topology: &'t Topology, scheme: Scheme, corners: Corners) -> Result<Self, Error> {
-        scheme.check(topology)?;
+    /// [`Error::NoVertices`]; as [`limit_points`].
+    pub fn new(topology: &'t Topology, rules: &'t Rules) -> Result<Self, Error> {
+        limit::check(topology, rules)?;
         if topology.vertex_count() == 0 {
             return Err(Error::NoVertices);
         }
-        let kinds = BoundaryKinds { topology, corners };
-        let (mut boundary, mut interior, mut known) = (Vec::new(), Vec::new(), Vec::new());
-        for v in topology.vertices() {
-            match kinds.of(v) {
-                Some(BoundaryKind::Corner) => known.push(v.0),
-                Some(_) => boundary.push(v.0),
-                None if topology.is_isolated(v) => {}
-                None => interior.push(v.0),
-            }
-        }
-        let closed = boundary.is_empty() && known.is_empty();
+        let parts = Parts::new(topology, rules);
+        let closed = parts.curves.is_empty() && parts.known.is_empty();
         let mut stages = Vec::new();
-        if !boundary.is_empty() {
-            stages.push(boundary_stage(kinds, &boundary, &known));
+        if !parts.curves.is_empty() {
+            let bound = curve_bound(topology, rules);
+            let vertices = [parts.curves.as_slice(), &parts.known].concat();
+            let count = parts.curves.len();
+            stages.push(row_stage(topology, rules, StageName::Boundary, vertices, count, bound));
         }
-        if !interior.is_empty() {
-            known.extend(boundary);
-            known.sort_unstable();
+        if !parts.others.is_empty() {
             let name = if closed { StageName::Closed } else { StageName::Interior };
-            stages.push(ring_stage(topology, name, interior, &known));
+            let mut known = [parts.known, parts.curves].concat();
+            known.sort_unstable();
+            stages.push(if rules.scheme == Scheme::Loop && rules.creases.is_none() {
+                ring_stage(topology, name, parts.others, &known)
+            } else {
+                let bound = interior_bound(topology, rules, &parts.others);
+                let mut vertices = order::by_locality(topology, parts.others);
+                let count = vertices.len();
+                vertices.extend(known);
+                row_stage(topology, rules, name, vertices, count, bound)
+            });
         }
-        Ok(Self { topology, scheme, corners, stages })
+        Ok(Self { topology, rules, stages })
     }
 
     /// The control values whose limit values are `target`, and what it took.
     ///
-    /// Scheme and corners are those of [`new`](Self::new); the fields of `options` are not looked
-    /// at for them.
-    ///
     /// # Errors
-    /// [`Error::BadOption`]; [`Error::Interrupted`] if the observer breaks. Not converging is no
-    /// error: the report says so.
+    /// [`Error::BadOption`]; [`Error::NotSymmetric`] for conjugate gradients beside creases that end
+    /// or fade; [`Error::Interrupted`] if the observer breaks. Not converging is no error: the
+    /// report says so.
     ///
     /// # Panics
     /// If there is not one target per vertex, or one is not finite.
@@ -360,7 +358,7 @@ impl<'t> Interpolator<'t> {
 
     /// Largest and mean distance of the limit points from their targets.
     fn residual(&self, target: &[Vec3], control: &[Vec3]) -> Result<(f64, f64), Error> {
-        let limit = limit_points(self.topology, control, self.scheme, self.corners)?;
+        let limit = limit_points(self.topology, control, self.rules)?;
         let blocks = par::blocks(limit.len(), |range| {
             range.fold((0.0_f64, 0.0, 0_usize), |(max, sum, count), v| {
                 if self.topology.is_isolated(VertexId(v as u32)) {
@@ -403,7 +401,7 @@ impl Stage {
     fn unknown_count(&self) -> usize {
         match &self.operator {
             StageOperator::Ring(operator) => operator.unknown_count(),
-            StageOperator::Curve(operator) => operator.unknown_count(),
+            StageOperator::Rows(operator) => operator.unknown_count(),
         }
     }
 
@@ -422,7 +420,12 @@ impl Stage {
         let mut x = gather(control, self.vertices.len());
         let report = match &self.operator {
             StageOperator::Ring(operator) => run(operator, &goal, &mut x, method, stop, observer),
-            StageOperator::Curve(operator) => run(operator, &goal, &mut x, method, stop, observer),
+            StageOperator::Rows(operator) => {
+                if method == Method::ConjugateGradients && !operator.is_symmetric() {
+                    return Err(Error::NotSymmetric);
+                }
+                run(operator, &goal, &mut x, method, stop, observer)
+            }
         }?;
         for (&v, &x) in self.vertices[..n].iter().zip(&x) {
             control[v as usize] = x;
@@ -439,9 +442,11 @@ fn run<A: LinearOperator>(
     stop: Stop,
     observer: &mut solve::Observer<'_>,
 ) -> Result<Report, Error> {
-    let guaranteed = operator.smallest_eigenvalue_bound();
+    let usual = operator.usual_smallest_eigenvalue();
+    // Where nothing is guaranteed, the process still converges, only nobody knows how fast.
+    let guaranteed = operator.smallest_eigenvalue_bound().max(LEAST);
     let interval = match method {
-        Method::Auto => Interval::Hopeful { guaranteed },
+        Method::Auto => Interval::Hopeful { usual, guaranteed },
         Method::Plain => Interval::Plain,
         Method::Weighted => Interval::Weighted { smallest: guaranteed },
         Method::Chebyshev => Interval::Chebyshev { smallest: guaranteed },
@@ -452,6 +457,9 @@ fn run<A: LinearOperator>(
     solve::stationary(operator, target, x, interval, stop, observer)
 }
 
+/// Lower end of a spectrum of which only its sign is known.
+const LEAST: f64 = 1e-3;
+
 /// Numbers for some vertices from 0 up, in their order; [`NONE`] for all others.
 fn numbering(vertex_count: usize, vertices: &[u32]) -> Vec<u32> {
     let mut local = alloc::vec![NONE; vertex_count];
@@ -461,20 +469,156 @@ fn numbering(vertex_count: usize, vertices: &[u32]) -> Vec<u32> {
     local
 }
 
-fn boundary_stage(kinds: BoundaryKinds<'_>, boundary: &[u32], corners: &[u32]) -> Stage {
-    let vertices = [boundary, corners].concat();
-    let local = numbering(kinds.topology.vertex_count(), &vertices);
-    let row = |&v: &u32| {
-        let v = VertexId(v);
-        let (left, right) = boundary_neighbours(kinds.topology, v);
-        CurveRow {
-            neighbours: [local[left.index()], local[right.index()]],
-            weights: kinds.limit_weights(v),
-            scale: boundary_scale(kinds.of(v).unwrap_or(BoundaryKind::Extraordinary)),
+/// Which vertices are known from the start, which lie on curves that depend on nothing else, and the
+/// others. Isolated vertices are none of them.
+struct Parts {
+    known: Vec<u32>,
+    curves: Vec<u32>,
+    others: Vec<u32>,
+}
+
+impl Parts {
+    fn new(topology: &Topology, rules: &Rules) -> Self {
+        let (mut known, mut curves, mut others) = (Vec::new(), Vec::new(), Vec::new());
+        if rules.creases.is_none() {
+            let sharp = rules.sharpness(topology);
+            for v in topology.vertices().filter(|&v| !topology.is_isolated(v)) {
+                let is_known = rules.scheme != Scheme::DooSabin && sharp.vertex(v) > 0.0;
+                let list = match topology.is_boundary(v) {
+                    true if is_known => &mut known,
+                    true => &mut curves,
+                    false => &mut others,
+                };
+                list.push(v.0);
+            }
+            return Self { known, curves, others };
+        }
+        // Where a crease ends, its curve depends on the surface: such curves are no stage of their
+        // own. Drop vertices whose rows reach beyond, until none does.
+        let rows = LimitRows::new(topology, rules);
+        let row = |v: u32| {
+            let mut row = Vec::new();
+            rows::gather(&rows, v as usize, &mut row);
+            row
+        };
+        let mut on_curve = alloc::vec![false; topology.vertex_count()];
+        let sharp = rules.sharpness(topology);
+        for v in topology.vertices() {
+            on_curve[v.index()] =
+                !topology.is_isolated(v) && row(v.0).len() <= 3 && sharp.kind(v, 0) != Kind::Smooth;
+        }
+        loop {
+            let outside = |v: &VertexId| {
+                on_curve[v.index()] && row(v.0).iter().any(|e| !on_curve[e.0 as usize])
+            };
+            let dropped: Vec<VertexId> = topology.vertices().filter(outside).collect();
+            if dropped.is_empty() {
+                break;
+            }
+            dropped.iter().for_each(|v| on_curve[v.index()] = false);
+        }
+        for v in topology.vertices().filter(|&v| !topology.is_isolated(v)) {
+            let list = match on_curve[v.index()] {
+                true if row(v.0).len() == 1 => &mut known,
+                true => &mut curves,
+                false => &mut others,
+            };
+            list.push(v.0);
+        }
+        Self { known, curves, others }
+    }
+}
+
+/// Lower bounds of the spectrum: what is guaranteed, and what meshes have in practice.
+#[derive(Clone, Copy)]
+struct Bound {
+    guaranteed: f64,
+    usual: f64,
+}
+
+fn curve_bound(topology: &Topology, rules: &Rules) -> Bound {
+    let guaranteed = match (rules.scheme, &rules.tension) {
+        (Scheme::Loop, _) => loop_scheme::BOUNDARY_SMALLEST_EIGENVALUE,
+        (Scheme::CatmullClark, _) => catmull_clark::CURVE_SMALLEST_EIGENVALUE,
+        (Scheme::DooSabin, None) => doo_sabin::CHAIKIN,
+        (Scheme::DooSabin, Some(_)) => {
+            let images = DooSabinRows::new(topology, rules);
+            // The mean of the parameters of the two edges.
+            let mean = |v: VertexId| {
+                let first = topology.outgoing(v)?;
+                let last = topology.fan(v).last()?;
+                let (a, b) = (first, topology.prev(last));
+                Some(f64::midpoint(images.edge_parameter(a), images.edge_parameter(b)))
+            };
+            let boundary = topology.vertices().filter(|&v| topology.is_boundary(v));
+            boundary.filter_map(mean).fold(1.0, f64::min)
         }
     };
-    let operator = CurveOperator { rows: boundary.iter().map(row).collect() };
-    Stage { name: StageName::Boundary, operator: StageOperator::Curve(operator), vertices }
+    Bound { guaranteed, usual: guaranteed }
+}
+
+fn interior_bound(topology: &Topology, rules: &Rules, vertices: &[u32]) -> Bound {
+    let fans = || vertices.iter().map(|&v| topology.fan_size(VertexId(v)));
+    let smallest = fans().min().unwrap_or(6);
+    match (rules.scheme, &rules.tension) {
+        // Beside creases the bounds of the smooth rules hold in practice.
+        (Scheme::Loop, _) => Bound {
+            guaranteed: loop_scheme::smallest_eigenvalue_bound(smallest.max(2)),
+            usual: 0.2,
+        },
+        (Scheme::CatmullClark, _) => {
+            Bound { guaranteed: catmull_clark::smallest_eigenvalue_bound(smallest), usual: 0.1 }
+        }
+        (Scheme::DooSabin, None) => {
+            let guaranteed = doo_sabin::SMALLEST_EIGENVALUE;
+            Bound { guaranteed, usual: guaranteed }
+        }
+        (Scheme::DooSabin, Some(tension)) => {
+            let mean = |&v: &u32| {
+                let faces = topology.fan(VertexId(v)).map(|h| tension[topology.face(h).index()]);
+                faces.sum::<f64>() / f64::from(topology.fan_size(VertexId(v)))
+            };
+            let guaranteed = vertices.iter().map(mean).fold(1.0, f64::min);
+            Bound { guaranteed, usual: guaranteed }
+        }
+    }
+}
+
+/// A stage on the limit rows as they are, of the first `count` of `vertices`; the others are known.
+fn row_stage(
+    topology: &Topology,
+    rules: &Rules,
+    name: StageName,
+    vertices: Vec<u32>,
+    count: usize,
+    bound: Bound,
+) -> Stage {
+    let local = numbering(topology.vertex_count(), &vertices);
+    let rows = LimitRows::new(topology, rules);
+    let kinds = BoundaryKinds { topology, corners: rules.corners };
+    let scale = |v: VertexId| match (rules.scheme, name) {
+        (Scheme::Loop, StageName::Boundary) => {
+            boundary_scale(kinds.of(v).unwrap_or(BoundaryKind::Extraordinary))
+        }
+        (Scheme::Loop, _) if !topology.is_boundary(v) => {
+            let n = topology.fan_size(v).max(2);
+            (1.0 - loop_scheme::limit_weight(n)) / f64::from(n)
+        }
+        (Scheme::CatmullClark, StageName::Closed | StageName::Interior) => {
+            let n = f64::from(topology.fan_size(v));
+            1.0 / (n * (n + 5.0))
+        }
+        (Scheme::DooSabin, StageName::Closed | StageName::Interior) => {
+            1.0 / f64::from(topology.fan_size(v))
+        }
+        _ => 1.0,
+    };
+    let row = |i: usize, entries: &mut Vec<(u32, f64)>| {
+        rows::gather(&rows, vertices[i] as usize, entries);
+    };
+    let scales = vertices[..count].iter().map(|&v| scale(VertexId(v))).collect();
+    let operator = RowOperator::new(count, row, &local, scales, bound.guaranteed, bound.usual);
+    Stage { name, operator: StageOperator::Rows(operator), vertices }
 }
 
 fn ring_stage(topology: &Topology, name: StageName, interior: Vec<u32>, known: &[u32]) -> Stage {

@@ -5,13 +5,13 @@
 //! faces → [`Topology`] → limit operator → solve → control mesh → refine:
 //!
 //! ```
-//! use fairform::{Corners, Mesh, Scheme, interpolate, refine, shapes};
+//! use fairform::{Mesh, Rules, interpolate, refine, shapes};
 //!
 //! let target: Mesh = shapes::octahedron();
 //! let options = interpolate::Options::default();
 //! let (control, report) = interpolate::interpolate(&target, &options)?;
 //! assert!(report.max <= 1e-6);
-//! let surface = refine::refine_mesh(&control, Scheme::Loop, Corners::Smooth, 3)?;
+//! let (surface, _) = refine::refine_mesh(&control, &Rules::LOOP, 3)?;
 //! assert_eq!(surface.topology().face_count(), 8 * 64);
 //! # Ok::<(), fairform::Error>(())
 //! ```
@@ -22,6 +22,7 @@
 
 extern crate alloc;
 
+pub mod crease;
 pub mod error;
 pub mod faces;
 pub mod ids;
@@ -39,13 +40,15 @@ pub mod vec3;
 
 mod order;
 mod par;
+mod rows;
 mod rules;
 
+pub use crease::Creases;
 pub use error::{Defect, Defects, Error};
 pub use faces::Faces;
 pub use ids::{EdgeId, FaceId, HalfedgeId, NONE, VertexId};
 pub use mesh::{Bounds, Mesh};
-pub use scheme::{Corners, Scheme};
+pub use scheme::{Border, Corners, Rules, Scheme};
 pub use stencil::Stencils;
 pub use topology::Topology;
 pub use vec3::Vec3;

@@ -2,193 +2,183 @@
 
 use alloc::vec::Vec;
 
+use crate::crease::{Kind, Sharpness};
 use crate::error::Error;
 use crate::ids::VertexId;
-use crate::rules::{BoundaryKinds, VertexRule, boundary_neighbours, largest_fan};
-use crate::scheme::loop_scheme::{
-    BoundaryKind, inward_tangent_centre_weight, inward_tangent_weight, tangent_weights,
-};
-use crate::scheme::{Corners, Scheme};
-use crate::{Stencils, Topology, Vec3, par};
+use crate::refine::DooSabinRows;
+use crate::rows::{self, Rows};
+use crate::rules::{BoundaryKinds, by_valence};
+use crate::scheme::loop_scheme::limit_weight;
+use crate::scheme::{Border, Rules, Scheme, catmull_clark};
+use crate::{Stencils, Topology, Vec3};
 
+mod local;
+mod normals;
 pub(crate) mod operator;
+
+pub use normals::{limit_normals, limit_tangents};
+
+use local::Local;
 
 /// The rows that take control points to the limit points of the vertices, one row per vertex. An
 /// isolated vertex is its own limit point.
 ///
 /// # Errors
-/// As [`Scheme::check`].
-pub fn limit_stencils(
-    topology: &Topology,
-    scheme: Scheme,
-    corners: Corners,
-) -> Result<Stencils, Error> {
-    scheme.check(topology)?;
-    let rule = VertexRule::limit(topology, corners);
-    let mut row_start = Vec::with_capacity(topology.vertex_count() + 1);
-    let mut end = 0;
-    row_start.push(end);
-    for v in topology.vertices() {
-        end += rule.row_len(v);
-        row_start.push(end);
-    }
-    Ok(Stencils::build(topology.vertex_count(), row_start, &|row, source, weight| {
-        rule.row(VertexId(row as u32), source, weight);
-    }))
+/// As [`Rules::check`]; [`Error::NoLimit`] for vertices that Doo and Sabin's scheme gives no limit
+/// point: those with two faces, and on the boundary with [`Border::Drop`].
+pub fn limit_stencils(topology: &Topology, rules: &Rules) -> Result<Stencils, Error> {
+    check(topology, rules)?;
+    Ok(rows::stencils(&LimitRows::new(topology, rules), topology.vertex_count()))
 }
 
 /// The limit points of all vertices for control points `points`.
 ///
 /// # Errors
-/// As [`Scheme::check`].
+/// As [`limit_stencils`].
 ///
 /// # Panics
 /// If there is not one point per vertex.
 pub fn limit_points(
     topology: &Topology,
     points: &[Vec3],
-    scheme: Scheme,
-    corners: Corners,
+    rules: &Rules,
 ) -> Result<Vec<Vec3>, Error> {
     assert_eq!(points.len(), topology.vertex_count(), "one point per vertex");
-    scheme.check(topology)?;
-    let rule = VertexRule::limit(topology, corners);
-    Ok(par::collect(points.len(), |v| rule.apply(VertexId(v as u32), points)))
+    check(topology, rules)?;
+    Ok(rows::apply(&LimitRows::new(topology, rules), points))
 }
 
-/// The unit normals of the limit surface at the limit points of all vertices, outwards for
-/// counter-clockwise faces; zero at isolated vertices and where the tangents are parallel.
-///
-/// At a boundary vertex with two faces the limit surface has no unique normal; there the result is
-/// that of the convention of
-/// [`inward_tangent_weight`](crate::scheme::loop_scheme::inward_tangent_weight).
-///
-/// # Errors
-/// As [`Scheme::check`].
-///
-/// # Panics
-/// If there is not one point per vertex.
-pub fn limit_normals(
-    topology: &Topology,
-    points: &[Vec3],
-    scheme: Scheme,
-    corners: Corners,
-) -> Result<Vec<Vec3>, Error> {
-    assert_eq!(points.len(), topology.vertex_count(), "one point per vertex");
-    scheme.check(topology)?;
-    let tangents = Tangents {
-        kinds: BoundaryKinds { topology, corners },
-        points,
-        ring_weights: RingTangents::new(topology),
-    };
-    Ok(par::collect(points.len(), |i| {
-        let [along, across] = tangents.at(VertexId(i as u32));
-        // Tangents of tiny or huge meshes are scaled first, so that no product under- or overflows.
-        along.normalized().cross(across.normalized()).normalized()
-    }))
-}
-
-/// Two tangents of the limit surface at the limit point of every vertex; their vector product
-/// points outwards. Zero at isolated vertices.
-///
-/// # Errors
-/// As [`Scheme::check`].
-///
-/// # Panics
-/// If there is not one point per vertex.
-pub fn limit_tangents(
-    topology: &Topology,
-    points: &[Vec3],
-    scheme: Scheme,
-    corners: Corners,
-) -> Result<Vec<[Vec3; 2]>, Error> {
-    assert_eq!(points.len(), topology.vertex_count(), "one point per vertex");
-    scheme.check(topology)?;
-    let tangents = Tangents {
-        kinds: BoundaryKinds { topology, corners },
-        points,
-        ring_weights: RingTangents::new(topology),
-    };
-    Ok(par::collect(points.len(), |i| tangents.at(VertexId(i as u32))))
-}
-
-struct Tangents<'a> {
-    kinds: BoundaryKinds<'a>,
-    points: &'a [Vec3],
-    ring_weights: RingTangents,
-}
-
-impl Tangents<'_> {
-    fn at(&self, v: VertexId) -> [Vec3; 2] {
-        let topology = self.kinds.topology;
-        match self.kinds.of(v) {
-            None => self.interior(v, topology.fan_size(v)),
-            Some(BoundaryKind::Corner) => {
-                let (last, first) = boundary_neighbours(topology, v);
-                let here = self.points[v.index()];
-                [self.points[first.index()] - here, self.points[last.index()] - here]
-            }
-            Some(_) => self.boundary(v, topology.fan_size(v)),
-        }
+/// Whether all vertices have limit points.
+pub(crate) fn check(topology: &Topology, rules: &Rules) -> Result<(), Error> {
+    rules.check(topology)?;
+    if rules.scheme != Scheme::DooSabin {
+        return Ok(());
     }
-
-    fn interior(&self, v: VertexId, n: u32) -> [Vec3; 2] {
-        let mut t = [Vec3::ZERO; 2];
-        for (i, q) in self.kinds.topology.ring(v).enumerate() {
-            let q = self.points[q.index()];
-            let [c, s] = self.ring_weights.get(n, i as u32);
-            t[0] += c * q;
-            t[1] += s * q;
-        }
-        t
-    }
-
-    /// The masks hold on the ring after one step, so that step is made here, locally.
-    fn boundary(&self, v: VertexId, k: u32) -> [Vec3; 2] {
-        let topology = self.kinds.topology;
-        let point = |q: VertexId| self.points[q.index()];
-        let (last, first) = boundary_neighbours(topology, v);
-        let here = point(v);
-        let boundary_point = |q: VertexId| {
-            let [a, b] = self.kinds.edge_weights(v, q);
-            a * here + b * point(q)
+    let scheme = rules.scheme.name();
+    let has_none = |v: &VertexId| match topology.is_boundary(*v) {
+        true => rules.border == Border::Drop,
+        false => topology.fan_size(*v) == 2,
+    };
+    topology.vertices().find(has_none).map_or(Ok(()), |vertex| {
+        let reason = match topology.is_boundary(vertex) {
+            true => "it is on the boundary, which is dropped",
+            false => "it has only two faces",
         };
-        let finer = 0.75 * here + 0.125 * (point(first) + point(last));
-        let (first_point, last_point) = (boundary_point(first), boundary_point(last));
-        let mut across = inward_tangent_centre_weight(k) * finer
-            + inward_tangent_weight(k, 0) * first_point
-            + inward_tangent_weight(k, k) * last_point;
-        let mut ring = topology.ring(v).map(point);
-        let (mut before, mut at) = (ring.next(), ring.next());
-        for (i, after) in (1..k).zip(ring) {
-            if let (Some(before), Some(at)) = (before, at) {
-                let edge_point = 0.375 * (here + at) + 0.125 * (before + after);
-                across += inward_tangent_weight(k, i) * edge_point;
-            }
-            (before, at) = (at, Some(after));
+        Err(Error::NoLimit { vertex, scheme, reason })
+    })
+}
+
+/// One row per vertex: its limit point.
+pub(crate) struct LimitRows<'t> {
+    rules: &'t Rules,
+    sharp: Sharpness<'t>,
+    /// Loop: weight of the vertex by valence.
+    centre: Vec<f64>,
+    images: Option<DooSabinRows<'t>>,
+}
+
+impl<'t> LimitRows<'t> {
+    pub(crate) fn new(topology: &'t Topology, rules: &'t Rules) -> Self {
+        let centre = match rules.scheme {
+            Scheme::Loop => by_valence(topology, limit_weight),
+            _ => Vec::new(),
+        };
+        let images = (rules.scheme == Scheme::DooSabin).then(|| DooSabinRows::new(topology, rules));
+        Self { rules, sharp: rules.sharpness(topology), centre, images }
+    }
+
+    fn curve(&self, v: VertexId, ends: [VertexId; 2], entry: &mut impl FnMut(u32, f64)) {
+        let topology = self.sharp.topology;
+        let (own, [a, b]) = if self.rules.scheme == Scheme::Loop && topology.is_boundary(v) {
+            let kinds = BoundaryKinds { topology, corners: self.rules.corners };
+            // The ends are in the order of the ring: the boundary goes on to the first.
+            let [own, before, after] = kinds.limit_weights(v);
+            (own, [after, before])
+        } else {
+            let [own, end] = catmull_clark::CURVE_LIMIT;
+            (own, [end; 2])
+        };
+        entry(v.0, own);
+        entry(ends[0].0, a);
+        entry(ends[1].0, b);
+    }
+
+    fn smooth(&self, v: VertexId, entry: &mut impl FnMut(u32, f64)) {
+        let topology = self.sharp.topology;
+        let n = topology.fan_size(v);
+        if self.rules.scheme == Scheme::Loop {
+            let own = self.centre[n as usize];
+            entry(v.0, own);
+            let each = (1.0 - own) / f64::from(n);
+            topology.ring(v).for_each(|q| entry(q.0, each));
+        } else {
+            let [own, edge, face] = catmull_clark::limit_weights(n);
+            entry(v.0, own);
+            topology.ring(v).for_each(|q| entry(q.0, edge));
+            self.faces(v, |_| face, entry);
         }
-        [first_point - last_point, across]
+    }
+
+    /// The centroids of the faces at a vertex, with weights by their place.
+    fn faces(&self, v: VertexId, weight: impl Fn(usize) -> f64, entry: &mut impl FnMut(u32, f64)) {
+        let topology = self.sharp.topology;
+        for (i, h) in topology.fan(v).enumerate() {
+            crate::refine::centroid(topology, topology.face(h), weight(i), entry);
+        }
+    }
+
+    /// By refining the neighbourhood, where no mask is known.
+    fn special(&self, v: VertexId, local: &Local, entry: &mut impl FnMut(u32, f64)) {
+        let row = local.limit_row();
+        let m = local.edges.len();
+        entry(v.0, row[0]);
+        for (q, &w) in self.sharp.topology.ring(v).zip(&row[1..=m]) {
+            entry(q.0, w);
+        }
+        if row.len() > 1 + m {
+            self.faces(v, |i| row[1 + m + i], entry);
+        }
+    }
+
+    fn doo_sabin(&self, images: &DooSabinRows<'_>, v: VertexId, entry: &mut impl FnMut(u32, f64)) {
+        let topology = self.sharp.topology;
+        if topology.is_boundary(v) {
+            let (Some(first), Some(last)) = (topology.outgoing(v), topology.fan(v).last()) else {
+                return;
+            };
+            images.edge_image(first, v, 0.5, entry);
+            images.edge_image(topology.prev(last), v, 0.5, entry);
+        } else {
+            let share = 1.0 / f64::from(topology.fan_size(v));
+            topology.fan(v).for_each(|h| images.image(h, share, entry));
+        }
     }
 }
 
-/// Tangent weights of all ring places, for the usual valences kept in a table.
-struct RingTangents {
-    table: Vec<Vec<[f64; 2]>>,
-}
-
-impl RingTangents {
-    const TABLE: u32 = 64;
-
-    fn new(topology: &Topology) -> Self {
-        let largest = largest_fan(topology).min(Self::TABLE);
-        let row = |n: u32| (0..n).map(|i| tangent_weights(n, i)).collect();
-        Self { table: (0..=largest).map(row).collect() }
+impl Rows for LimitRows<'_> {
+    fn len(&self) -> usize {
+        self.sharp.topology.vertex_count()
     }
 
-    fn get(&self, n: u32, i: u32) -> [f64; 2] {
-        match self.table.get(n as usize) {
-            Some(row) => row[i as usize],
-            None => tangent_weights(n, i),
+    #[inline]
+    fn visit(&self, row: usize, mut entry: impl FnMut(u32, f64)) {
+        let v = VertexId(row as u32);
+        if self.sharp.topology.is_isolated(v) {
+            return entry(v.0, 1.0);
+        }
+        if let Some(images) = &self.images {
+            return self.doo_sabin(images, v, &mut entry);
+        }
+        if self.sharp.creases.is_some() {
+            let local = Local::new(self.sharp, self.rules, v);
+            if local.is_special() {
+                return self.special(v, &local, &mut entry);
+            }
+        }
+        match self.sharp.kind(v, 0) {
+            Kind::Corner => entry(v.0, 1.0),
+            Kind::Crease(ends) => self.curve(v, ends, &mut entry),
+            Kind::Smooth => self.smooth(v, &mut entry),
         }
     }
 }

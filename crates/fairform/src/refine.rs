@@ -4,33 +4,53 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use crate::error::Error;
-use crate::ids::FaceId;
-use crate::scheme::{Corners, Scheme};
+use crate::ids::{FaceId, HalfedgeId};
+use crate::rows;
+use crate::scheme::{Rules, Scheme};
 use crate::{Mesh, Stencils, Topology, Vec3};
 
+mod catmull_clark_step;
+mod doo_sabin_step;
 mod loop_step;
+
+use catmull_clark_step::CatmullClarkRows;
+pub(crate) use catmull_clark_step::centroid;
+pub(crate) use doo_sabin_step::DooSabinRows;
+use loop_step::LoopRows;
 
 /// One refinement step: the finer topology, and how values are carried over to it.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Refined<'t> {
     coarse: &'t Topology,
-    scheme: Scheme,
-    corners: Corners,
-    /// The finer topology, in the canonical order: old vertices first, then edge points.
+    rules: &'t Rules,
+    /// The finer topology, in the canonical order of its scheme.
     pub topology: Topology,
+    /// The rules for the next step: creases lose their sharpness, shape parameters act only once.
+    pub next: Rules,
 }
 
 /// One step of a scheme.
 ///
 /// # Errors
-/// [`Error::NotTriangles`] if the scheme cannot refine these faces, [`Error::TooLarge`] if the
-/// result has too many half-edges.
-pub fn refine(topology: &Topology, scheme: Scheme, corners: Corners) -> Result<Refined<'_>, Error> {
-    check_size(topology, scheme, 1)?;
-    let finer = match scheme {
+/// As [`Rules::check`]; [`Error::TooLarge`] if the result has too many half-edges.
+pub fn refine<'t>(topology: &'t Topology, rules: &'t Rules) -> Result<Refined<'t>, Error> {
+    check_size(topology, rules, 1)?;
+    let finer = match rules.scheme {
         Scheme::Loop => loop_step::finer_topology(topology),
+        Scheme::CatmullClark => catmull_clark_step::finer_topology(topology),
+        Scheme::DooSabin => doo_sabin_step::finer_topology(topology, rules.border)?,
     };
-    Ok(Refined { coarse: topology, scheme, corners, topology: finer })
+    let halves = |e| {
+        let h = topology.edge_halfedge(e).0;
+        let [a, b] = match rules.scheme {
+            Scheme::CatmullClark => catmull_clark_step::halves(topology, h),
+            _ => loop_step::halves(h),
+        };
+        [finer.edge(HalfedgeId(a)), finer.edge(HalfedgeId(b))]
+    };
+    let creases = rules.creases.as_ref().map(|c| Arc::new(c.refined(&finer, halves)));
+    let next = Rules { tension: None, creases, ..rules.clone() };
+    Ok(Refined { coarse: topology, rules, topology: finer, next })
 }
 
 impl Refined<'_> {
@@ -42,63 +62,73 @@ impl Refined<'_> {
     #[must_use]
     pub fn apply(&self, values: &[Vec3]) -> Vec<Vec3> {
         assert_eq!(values.len(), self.coarse.vertex_count(), "one value per vertex");
-        match self.scheme {
-            Scheme::Loop => loop_step::apply(self.coarse, self.corners, values),
+        match self.rules.scheme {
+            Scheme::Loop => rows::apply(&LoopRows::new(self.coarse, self.rules), values),
+            Scheme::CatmullClark => {
+                rows::apply(&CatmullClarkRows::new(self.coarse, self.rules), values)
+            }
+            Scheme::DooSabin => rows::apply(&DooSabinRows::new(self.coarse, self.rules), values),
         }
     }
 
     /// The rows that [`apply`](Self::apply) stands for, one per finer vertex.
     #[must_use]
     pub fn stencils(&self) -> Stencils {
-        match self.scheme {
-            Scheme::Loop => loop_step::stencils(self.coarse, self.corners),
+        let count = self.coarse.vertex_count();
+        match self.rules.scheme {
+            Scheme::Loop => rows::stencils(&LoopRows::new(self.coarse, self.rules), count),
+            Scheme::CatmullClark => {
+                rows::stencils(&CatmullClarkRows::new(self.coarse, self.rules), count)
+            }
+            Scheme::DooSabin => rows::stencils(&DooSabinRows::new(self.coarse, self.rules), count),
         }
     }
 
-    /// The coarser face that a finer face is a part of.
+    /// The coarser face that a finer face is a part of, or the first of those that it lies between.
     ///
     /// # Panics
     /// If there is no such face.
     #[must_use]
     pub fn parent(&self, face: FaceId) -> FaceId {
-        assert!(face.index() < self.topology.face_count(), "no face {face}");
-        match self.scheme {
+        match self.rules.scheme {
             Scheme::Loop => FaceId(face.0 / 4),
+            Scheme::CatmullClark => self.coarse.face(HalfedgeId(face.0)),
+            Scheme::DooSabin => doo_sabin_step::parent(self.coarse, &self.topology, face),
         }
     }
 
     /// Carries one value per face corner over to the finer corners, within each face by linear
-    /// interpolation: the right thing for texture coordinates with seams, which stay seams.
+    /// interpolation: the right thing for texture coordinates with seams, which stay seams. `None`
+    /// for Doo–Sabin, whose new faces lie across the old edges.
     ///
     /// # Panics
     /// If there is not one value per coarser corner.
     #[must_use]
-    pub fn apply_to_corners(&self, values: &[Vec3]) -> Vec<Vec3> {
+    pub fn apply_to_corners(&self, values: &[Vec3]) -> Option<Vec<Vec3>> {
         assert_eq!(values.len(), self.coarse.halfedge_count(), "one value per corner");
-        match self.scheme {
-            Scheme::Loop => loop_step::apply_to_corners(values),
+        match self.rules.scheme {
+            Scheme::Loop => Some(loop_step::apply_to_corners(values)),
+            Scheme::CatmullClark => Some(catmull_clark_step::apply_to_corners(self.coarse, values)),
+            Scheme::DooSabin => None,
         }
     }
 }
 
-/// Several steps of a scheme, on the positions of a mesh.
+/// Several steps of a scheme, on the positions of a mesh, and the rules for the next one.
 ///
 /// # Errors
 /// As [`refine`].
-pub fn refine_mesh(
-    mesh: &Mesh,
-    scheme: Scheme,
-    corners: Corners,
-    levels: u32,
-) -> Result<Mesh, Error> {
-    check_size(mesh.topology(), scheme, levels)?;
-    let mut mesh = mesh.clone();
+pub fn refine_mesh(mesh: &Mesh, rules: &Rules, levels: u32) -> Result<(Mesh, Rules), Error> {
+    check_size(mesh.topology(), rules, levels)?;
+    let (mut mesh, mut rules) = (mesh.clone(), rules.clone());
     for _ in 0..levels {
-        let step = refine(mesh.topology(), scheme, corners)?;
+        let step = refine(mesh.topology(), &rules)?;
         let positions = step.apply(mesh.positions());
-        mesh = Mesh::from_parts(Arc::new(step.topology), positions);
+        let (topology, next) = (step.topology, step.next);
+        mesh = Mesh::from_parts(Arc::new(topology), positions);
+        rules = next;
     }
-    Ok(mesh)
+    Ok((mesh, rules))
 }
 
 /// How many vertices, edges and faces there will be after so many steps.
@@ -114,12 +144,12 @@ pub struct Size {
     pub halfedge_count: u64,
 }
 
-/// The size of a mesh after refinement, without refining.
+/// The size of a mesh after refinement, without refining. For Doo–Sabin an upper bound.
 ///
 /// # Errors
-/// [`Error::TooLarge`] if the half-edges could not be numbered; as [`Scheme::check`].
-pub fn check_size(topology: &Topology, scheme: Scheme, levels: u32) -> Result<Size, Error> {
-    scheme.check(topology)?;
+/// [`Error::TooLarge`] if the half-edges could not be numbered; as [`Rules::check`].
+pub fn check_size(topology: &Topology, rules: &Rules, levels: u32) -> Result<Size, Error> {
+    rules.check(topology)?;
     let mut size = Size {
         vertex_count: topology.vertex_count() as u64,
         edge_count: topology.edge_count() as u64,
@@ -130,13 +160,29 @@ pub fn check_size(topology: &Topology, scheme: Scheme, levels: u32) -> Result<Si
         return Ok(size);
     }
     for _ in 0..levels {
-        size = match scheme {
+        size = match rules.scheme {
             Scheme::Loop => Size {
                 vertex_count: size.vertex_count + size.edge_count,
                 edge_count: 2 * size.edge_count + 3 * size.face_count,
                 face_count: 4 * size.face_count,
                 halfedge_count: 4 * size.halfedge_count,
             },
+            Scheme::CatmullClark => Size {
+                vertex_count: size.vertex_count + size.edge_count + size.face_count,
+                edge_count: 2 * size.edge_count + size.halfedge_count,
+                face_count: size.halfedge_count,
+                halfedge_count: 4 * size.halfedge_count,
+            },
+            Scheme::DooSabin => {
+                // Boundary edges count as faces with two corners.
+                let border = 2 * size.edge_count - size.halfedge_count;
+                Size {
+                    vertex_count: size.halfedge_count + 2 * border,
+                    edge_count: 2 * size.halfedge_count + 3 * border,
+                    face_count: size.face_count + size.edge_count + size.vertex_count,
+                    halfedge_count: 4 * size.halfedge_count + 4 * border,
+                }
+            }
         };
         if size.halfedge_count > crate::topology::MAX_HALFEDGES {
             return Err(Error::TooLarge { halfedges: size.halfedge_count });

@@ -1,94 +1,11 @@
-//! Where masks meet a topology: which rule a vertex follows, and its row.
+//! What Loop's rules distinguish on the boundary of a topology.
 
 use alloc::vec::Vec;
 
 use crate::ids::VertexId;
 use crate::scheme::Corners;
-use crate::scheme::loop_scheme::{
-    BoundaryKind, boundary_edge_weights, boundary_limit_weight, limit_weight, ring_weight,
-};
-use crate::{Topology, Vec3, par};
-
-/// A rule that makes one value per vertex from the vertex and its neighbours: on the boundary from
-/// the two along it, inside from the whole ring with one weight.
-pub(crate) struct VertexRule<'t> {
-    pub(crate) kinds: BoundaryKinds<'t>,
-    /// Weight of the vertex by valence; the ring has the rest.
-    centre: Vec<f64>,
-    /// Weights of a boundary vertex, its left and its right neighbour.
-    boundary: fn(BoundaryKinds<'t>, VertexId) -> [f64; 3],
-}
-
-impl<'t> VertexRule<'t> {
-    /// The new positions of the vertices in a refinement step.
-    pub(crate) fn refined(topology: &'t Topology, corners: Corners) -> Self {
-        Self {
-            kinds: BoundaryKinds { topology, corners },
-            centre: by_valence(topology, |n| 1.0 - ring_weight(n)),
-            boundary: |_, _| [0.75, 0.125, 0.125],
-        }
-    }
-
-    /// The limit positions of the vertices.
-    pub(crate) fn limit(topology: &'t Topology, corners: Corners) -> Self {
-        Self {
-            kinds: BoundaryKinds { topology, corners },
-            centre: by_valence(topology, limit_weight),
-            boundary: BoundaryKinds::limit_weights,
-        }
-    }
-
-    /// Number of entries in the row of a vertex.
-    pub(crate) fn row_len(&self, v: VertexId) -> u32 {
-        match self.kinds.of(v) {
-            Some(BoundaryKind::Corner) => 1,
-            Some(_) => 3,
-            None => 1 + self.kinds.topology.fan_size(v),
-        }
-    }
-
-    /// Writes the row of a vertex into slices of its length.
-    pub(crate) fn row(&self, v: VertexId, source: &mut [u32], weight: &mut [f64]) {
-        let topology = self.kinds.topology;
-        source[0] = v.0;
-        let n = source.len() - 1;
-        if n == 0 {
-            weight[0] = 1.0;
-        } else if topology.is_boundary(v) {
-            let (left, right) = boundary_neighbours(topology, v);
-            source[1..].copy_from_slice(&[left.0, right.0]);
-            weight.copy_from_slice(&(self.boundary)(self.kinds, v));
-        } else {
-            let centre = self.centre[n];
-            weight[0] = centre;
-            weight[1..].fill((1.0 - centre) / n as f64);
-            for (slot, q) in source[1..].iter_mut().zip(topology.ring(v)) {
-                *slot = q.0;
-            }
-        }
-    }
-
-    /// The row of a vertex, applied.
-    pub(crate) fn apply(&self, v: VertexId, points: &[Vec3]) -> Vec3 {
-        let topology = self.kinds.topology;
-        let here = points[v.index()];
-        let n = topology.fan_size(v) as usize;
-        if topology.is_boundary(v) {
-            if self.kinds.of(v) == Some(BoundaryKind::Corner) {
-                return here;
-            }
-            let (left, right) = boundary_neighbours(topology, v);
-            let [c, l, r] = (self.boundary)(self.kinds, v);
-            return c * here + l * points[left.index()] + r * points[right.index()];
-        }
-        if n == 0 {
-            return here;
-        }
-        let sum: Vec3 = topology.ring(v).map(|q| points[q.index()]).sum();
-        let centre = self.centre[n];
-        centre * here + ((1.0 - centre) / n as f64) * sum
-    }
-}
+use crate::scheme::loop_scheme::{BoundaryKind, boundary_edge_weights, boundary_limit_weight};
+use crate::{Topology, par};
 
 /// What kind each boundary vertex is.
 #[derive(Clone, Copy)]
@@ -135,7 +52,7 @@ pub(crate) fn boundary_neighbours(topology: &Topology, v: VertexId) -> (VertexId
 }
 
 /// A function of the valence, tabulated for all fans of a mesh; zero below 2.
-fn by_valence(topology: &Topology, f: impl Fn(u32) -> f64) -> Vec<f64> {
+pub(crate) fn by_valence(topology: &Topology, f: impl Fn(u32) -> f64) -> Vec<f64> {
     (0..=largest_fan(topology)).map(|n| if n < 2 { 0.0 } else { f(n) }).collect()
 }
 

@@ -26,8 +26,11 @@ pub trait LinearOperator: Sync {
     /// The diagonal of $`D`$ in $`B = D S`$, up to a common factor.
     fn scale(&self, i: usize) -> f64;
 
-    /// A positive lower bound for the eigenvalues; the upper bound is 1.
+    /// A lower bound for the eigenvalues; the upper bound is 1. Not positive where nothing is known.
     fn smallest_eigenvalue_bound(&self) -> f64;
+
+    /// The smallest eigenvalue to expect in practice; at least the bound.
+    fn usual_smallest_eigenvalue(&self) -> f64;
 }
 
 /// When to stop.
@@ -101,9 +104,9 @@ struct Progress<'a, 'o> {
     best: (f64, u32),
 }
 
-/// Updates without a clear gain after which a solve has stalled. The slowest process there is, on
-/// interior vertices of valence 2, gains a factor of 40 in so many.
-const PATIENCE: u32 = 50;
+/// Updates without a clear gain after which a solve has stalled: near the limits of rounding soon,
+/// otherwise only when even the slowest spectrum would have shown one.
+const PATIENCE: [(f64, u32); 2] = [(1e-11, 50), (f64::INFINITY, 3000)];
 
 impl<'a, 'o> Progress<'a, 'o> {
     fn new(stop: Stop, observer: &'a mut Observer<'o>) -> Self {
@@ -127,13 +130,14 @@ impl<'a, 'o> Progress<'a, 'o> {
         if step.max < 0.5 * self.best.0 {
             self.best = (step.max, updates);
         }
+        let patience = PATIENCE.iter().find(|p| step.max < p.0).map_or(0, |p| p.1);
         Ok(match self.stop.tolerance {
             Some(tolerance) if step.max <= tolerance => ControlFlow::Break(Outcome::Converged),
             None if updates >= self.stop.max_updates => ControlFlow::Break(Outcome::CountReached),
             Some(_) if updates >= self.stop.max_updates => {
                 ControlFlow::Break(Outcome::TooManyUpdates)
             }
-            Some(_) if updates - self.best.1 > PATIENCE => ControlFlow::Break(Outcome::Stalled),
+            Some(_) if updates - self.best.1 > patience => ControlFlow::Break(Outcome::Stalled),
             _ => ControlFlow::Continue(()),
         })
     }
@@ -141,6 +145,9 @@ impl<'a, 'o> Progress<'a, 'o> {
     /// Updates needed when `k` of them leave `constant * contraction^k` of the first residual.
     fn predict(&self, constant: f64, contraction: f64) -> Option<u32> {
         let (tolerance, first) = (self.stop.tolerance?, self.history.first()?.max);
+        if contraction >= 1.0 {
+            return None;
+        }
         if first <= tolerance {
             return Some(0);
         }

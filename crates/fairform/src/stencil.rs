@@ -18,19 +18,13 @@ pub struct Stencils {
 }
 
 impl Stencils {
-    /// Rows of given lengths, each filled by `f(row, sources, weights)`.
-    ///
-    /// # Panics
-    /// If a row names a source that does not exist.
-    pub(crate) fn build(
+    /// Rows that lie one behind the other.
+    pub(crate) fn from_arrays(
         source_count: usize,
         row_start: Vec<u32>,
-        f: &(impl Fn(usize, &mut [u32], &mut [f64]) + Sync),
+        source: Vec<u32>,
+        weight: Vec<f64>,
     ) -> Self {
-        let len = row_start.last().map_or(0, |&end| end as usize);
-        let mut source = alloc::vec![0; len];
-        let mut weight = alloc::vec![0.0; len];
-        par::fill_rows(&row_start, &mut source, &mut weight, f);
         debug_assert!(source.iter().all(|&s| (s as usize) < source_count), "sources exist");
         Self { source_count, row_start, source, weight }
     }

@@ -52,7 +52,27 @@ pub(crate) struct Triangles {
     pub(crate) fan: Vec<u32>,
 }
 
+/// The index arrays of a quadrilateral topology that is known to be consistent.
+pub(crate) struct Quadrilaterals {
+    pub(crate) origin: Vec<u32>,
+    pub(crate) twin: Vec<u32>,
+    pub(crate) outgoing: Vec<u32>,
+    pub(crate) fan: Vec<u32>,
+}
+
 impl Topology {
+    /// A quadrilateral topology from arrays that a refinement step computed in closed form.
+    pub(crate) fn from_quadrilaterals(parts: Quadrilaterals) -> Self {
+        let Quadrilaterals { origin, twin, outgoing, fan } = parts;
+        let polygons = match origin.is_empty() {
+            // As for any list of no faces.
+            true => Polygons::Varied { start: alloc::vec![0], face: Vec::new() },
+            false => Polygons::Uniform { size: 4 },
+        };
+        let (edge, edge_halfedge) = (Vec::new(), Vec::new());
+        Self { polygons, origin, twin, edge, edge_halfedge, outgoing, fan }.with_edges()
+    }
+
     /// A triangle topology from arrays that a refinement step computed in closed form.
     pub(crate) fn from_triangles(parts: Triangles) -> Self {
         let Triangles { origin, twin, edge, edge_halfedge, outgoing, fan } = parts;

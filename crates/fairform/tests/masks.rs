@@ -1,8 +1,9 @@
 //! Published masks, as exact fractions.
 
 use fairform::scheme::loop_scheme::{
-    BoundaryKind, boundary_edge_weights, boundary_limit_weight, inward_tangent_centre_weight,
-    inward_tangent_weight, limit_weight, ring_weight, tangent_weights,
+    BoundaryKind, boundary_edge_weights, boundary_limit_weight, boundary_scale,
+    inward_tangent_centre_weight, inward_tangent_weight, limit_weight, ring_weight,
+    tangent_weights,
 };
 
 use BoundaryKind::{Corner, Extraordinary as E, Regular as R};
@@ -70,4 +71,12 @@ fn tangent_masks_sum_to_zero() {
         let sum: f64 = (0..=k).map(|i| inward_tangent_weight(k, i)).sum();
         assert!(sum.abs() < 1e-13, "{k} faces: {sum}");
     }
+}
+
+/// Row `i` of the boundary operator is its scale times a row of a symmetric matrix.
+#[test]
+fn the_boundary_operator_is_symmetric_up_to_scale() {
+    let entry = |a, b| boundary_limit_weight(a, b) / boundary_scale(a);
+    assert!((entry(R, E) - entry(E, R)).abs() < 1e-17);
+    assert!((entry(R, E) - 1.0 / 240.0).abs() < 1e-17);
 }

@@ -4,13 +4,17 @@ mod common;
 
 use common::{assert_near, assorted, random_mesh};
 use fairform::refine::{check_size, refine, refine_mesh};
-use fairform::{Corners, Error, Mesh, Scheme, Topology, Vec3, limit, shapes};
+use fairform::{Corners, Error, Mesh, Rules, Topology, Vec3, limit, shapes};
 use proptest::prelude::*;
 
 const BOTH: [Corners; 2] = [Corners::Smooth, Corners::Sharp];
 
+fn smooth(corners: Corners) -> Rules {
+    Rules { corners, ..Rules::LOOP }
+}
+
 fn limit_points(mesh: &Mesh, corners: Corners) -> Vec<Vec3> {
-    limit::limit_points(mesh.topology(), mesh.positions(), Scheme::Loop, corners).unwrap()
+    limit::limit_points(mesh.topology(), mesh.positions(), &smooth(corners)).unwrap()
 }
 
 /// Faces that share two edges have children whose inner edges have the same ends: fine as half-edges,
@@ -22,8 +26,9 @@ fn has_valence_two(topology: &Topology) -> bool {
 fn check_step(mesh: &Mesh, name: &str) {
     let coarse = mesh.topology();
     for corners in BOTH {
-        let step = refine(coarse, Scheme::Loop, corners).unwrap();
-        let expected = check_size(coarse, Scheme::Loop, 1).unwrap();
+        let rules = smooth(corners);
+        let step = refine(coarse, &rules).unwrap();
+        let expected = check_size(coarse, &Rules::LOOP, 1).unwrap();
         assert_eq!(step.topology.vertex_count() as u64, expected.vertex_count, "{name}");
         assert_eq!(step.topology.edge_count() as u64, expected.edge_count, "{name}");
         assert_eq!(step.topology.face_count() as u64, expected.face_count, "{name}");
@@ -42,7 +47,7 @@ fn check_step(mesh: &Mesh, name: &str) {
             let rounding = 1e-15 * (stencils.row(row).len() as f64 / 8.0).max(1.0);
             assert!((sum - 1.0).abs() < rounding, "{name} row {row}");
         }
-        let rows = limit::limit_stencils(coarse, Scheme::Loop, corners).unwrap();
+        let rows = limit::limit_stencils(coarse, &smooth(corners)).unwrap();
         let before = limit_points(mesh, corners);
         assert_near(&rows.apply(mesh.positions()), &before, 1e-14, name);
 
@@ -82,10 +87,10 @@ fn normals_are_orthogonal_to_the_surface() {
         for corners in BOTH {
             let topology = mesh.topology();
             let normals =
-                limit::limit_normals(topology, mesh.positions(), Scheme::Loop, corners).unwrap();
+                limit::limit_normals(topology, mesh.positions(), &smooth(corners)).unwrap();
             let at = limit_points(&mesh, corners);
             let worst = |levels: u32| {
-                let fine = refine_mesh(&mesh, Scheme::Loop, corners, levels).unwrap();
+                let fine = refine_mesh(&mesh, &smooth(corners), levels).unwrap().0;
                 let points = limit_points(&fine, corners);
                 let mut worst = 0.0_f64;
                 for v in topology.vertices() {
@@ -113,8 +118,7 @@ fn normals_are_orthogonal_to_the_surface() {
 fn normals_point_outwards() {
     for mesh in [shapes::tetrahedron(), shapes::octahedron(), shapes::icosahedron()] {
         let (topology, points) = (mesh.topology(), mesh.positions());
-        let normals =
-            limit::limit_normals(topology, points, Scheme::Loop, Corners::Smooth).unwrap();
+        let normals = limit::limit_normals(topology, points, &Rules::LOOP).unwrap();
         for (n, p) in normals.iter().zip(points) {
             assert!((*n - p.normalized()).length() < 1e-14, "a platonic solid");
         }
@@ -123,7 +127,7 @@ fn normals_point_outwards() {
     for corners in BOTH {
         let expected = Vec3::new(-1.0, 2.0, 1.0).normalized();
         let normals =
-            limit::limit_normals(flat.topology(), flat.positions(), Scheme::Loop, corners).unwrap();
+            limit::limit_normals(flat.topology(), flat.positions(), &smooth(corners)).unwrap();
         assert!(normals.iter().all(|n| (*n - expected).length() < 1e-13), "a plane {normals:?}");
     }
 }
@@ -132,7 +136,7 @@ fn normals_point_outwards() {
 fn sharp_corners_stay() {
     let sheet = shapes::sheet(4, 4, |x, y| x * y);
     let corner = sheet.topology().vertices().filter(|&v| sheet.topology().fan_size(v) == 1);
-    let fine = refine_mesh(&sheet, Scheme::Loop, Corners::Sharp, 3).unwrap();
+    let fine = refine_mesh(&sheet, &smooth(Corners::Sharp), 3).unwrap().0;
     let limit = limit_points(&sheet, Corners::Sharp);
     for v in corner {
         assert_eq!(fine.positions()[v.index()], sheet.positions()[v.index()]);
@@ -165,7 +169,7 @@ fn regular_regions_are_quartic_box_splines() {
     let mut positions = sheet.positions().to_vec();
     positions[(4 * n + 4) as usize].z = 1.0;
     let peak = sheet.with_positions(positions);
-    let fine = refine_mesh(&peak, Scheme::Loop, Corners::Smooth, 3).unwrap();
+    let fine = refine_mesh(&peak, &Rules::LOOP, 3).unwrap().0;
     let mut checked = 0;
     for p in limit_points(&fine, Corners::Smooth) {
         let (x, y) = (8.0 * (p.x - 0.5), 8.0 * (p.y - 0.5));
@@ -182,12 +186,11 @@ fn regular_regions_are_quartic_box_splines() {
 #[test]
 fn what_a_scheme_cannot_refine_is_said() {
     let cube = shapes::cube();
-    let error = refine_mesh(&cube, Scheme::Loop, Corners::Smooth, 1).unwrap_err();
+    let error = refine_mesh(&cube, &Rules::LOOP, 1).unwrap_err();
     assert!(matches!(error, Error::NotTriangles { count: 4, .. }), "{error}");
-    let error = refine_mesh(&shapes::octahedron(), Scheme::Loop, Corners::Smooth, 30).unwrap_err();
+    let error = refine_mesh(&shapes::octahedron(), &Rules::LOOP, 30).unwrap_err();
     assert!(matches!(error, Error::TooLarge { .. }), "{error}");
-    let error =
-        refine_mesh(&shapes::octahedron(), Scheme::Loop, Corners::Smooth, u32::MAX).unwrap_err();
+    let error = refine_mesh(&shapes::octahedron(), &Rules::LOOP, u32::MAX).unwrap_err();
     assert!(matches!(error, Error::TooLarge { .. }), "{error}");
 }
 
@@ -196,13 +199,13 @@ fn what_a_scheme_cannot_refine_is_said() {
 fn corner_values_are_linear_in_each_face() {
     let mesh = shapes::octahedron();
     let topology = mesh.topology();
-    let step = refine(topology, Scheme::Loop, Corners::Smooth).unwrap();
+    let step = refine(topology, &Rules::LOOP).unwrap();
     let offset = |f: u32| Vec3::splat(10.0 * f64::from(f));
     let values: Vec<Vec3> = topology
         .halfedges()
         .map(|h| mesh.positions()[topology.origin(h).index()] + offset(topology.face(h).0))
         .collect();
-    let finer = step.apply_to_corners(&values);
+    let finer = step.apply_to_corners(&values).unwrap();
     for h in step.topology.halfedges() {
         let parent = step.parent(step.topology.face(h));
         let v = step.topology.origin(h).index();

@@ -1,15 +1,13 @@
-//! The limit operator in the lean form that the solvers iterate on: rings of one weight, and curves.
+//! The limit operator in the forms that the solvers iterate on: rings of one weight, and rows.
 //!
-//! The same rows as [`limit_stencils`](super::limit_stencils), held to them by tests, at a third of
-//! the memory.
+//! The same rows as [`limit_stencils`](super::limit_stencils), held to them by tests; a ring takes a
+//! third of the memory.
 
 use alloc::vec::Vec;
 
-use crate::Vec3;
-use crate::scheme::loop_scheme::{
-    BOUNDARY_SMALLEST_EIGENVALUE, limit_weight, smallest_eigenvalue_bound,
-};
+use crate::scheme::loop_scheme::{limit_weight, smallest_eigenvalue_bound};
 use crate::solve::LinearOperator;
+use crate::{Vec3, par};
 
 /// Limit rows of interior vertices: the vertex and the mean of its ring.
 #[derive(Clone, Debug)]
@@ -65,41 +63,101 @@ impl LinearOperator for RingOperator {
     fn smallest_eigenvalue_bound(&self) -> f64 {
         self.smallest
     }
+
+    fn usual_smallest_eigenvalue(&self) -> f64 {
+        self.smallest.max(0.2)
+    }
 }
 
-/// Limit rows of boundary vertices: the vertex and its two neighbours on the boundary.
+/// Limit rows written out.
 #[derive(Clone, Debug)]
-pub(crate) struct CurveOperator {
-    pub(crate) rows: Vec<CurveRow>,
+pub(crate) struct RowOperator {
+    start: Vec<u32>,
+    /// Local number and weight.
+    entries: Vec<(u32, f64)>,
+    scale: Vec<f64>,
+    guaranteed: f64,
+    usual: f64,
 }
 
-/// One row of a [`CurveOperator`].
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct CurveRow {
-    /// Local numbers of the neighbours.
-    pub(crate) neighbours: [u32; 2],
-    /// Weights of the vertex and of its neighbours.
-    pub(crate) weights: [f64; 3],
-    /// The entry of $`D`$.
-    pub(crate) scale: f64,
+impl RowOperator {
+    /// Rows told by `row(i, entries)` with the numbers of the mesh, which `local` translates.
+    pub(crate) fn new(
+        count: usize,
+        row: impl Fn(usize, &mut Vec<(u32, f64)>) + Sync,
+        local: &[u32],
+        scale: Vec<f64>,
+        guaranteed: f64,
+        usual: f64,
+    ) -> Self {
+        let blocks = par::blocks(count, |range| {
+            let (mut lengths, mut entries) = (Vec::with_capacity(range.len()), Vec::new());
+            for i in range {
+                let before = entries.len();
+                row(i, &mut entries);
+                lengths.push((entries.len() - before) as u32);
+            }
+            entries.iter_mut().for_each(|e: &mut (u32, f64)| e.0 = local[e.0 as usize]);
+            (lengths, entries)
+        });
+        let mut start = Vec::with_capacity(count + 1);
+        let mut entries = Vec::with_capacity(blocks.iter().map(|b| b.1.len()).sum());
+        let mut end = 0;
+        start.push(end);
+        for (lengths, block) in blocks {
+            start.extend(lengths.into_iter().map(|length| {
+                end += length;
+                end
+            }));
+            entries.extend(block);
+        }
+        Self { start, entries, scale, guaranteed, usual }
+    }
+
+    fn entries(&self, i: usize) -> &[(u32, f64)] {
+        &self.entries[self.start[i] as usize..self.start[i + 1] as usize]
+    }
+
+    /// Whether $`D^{-1} B`$ is symmetric among the unknowns.
+    pub(crate) fn is_symmetric(&self) -> bool {
+        let n = self.scale.len();
+        let entry = |i: usize, j: usize| {
+            let found = self.entries(i).iter().find(|e| e.0 as usize == j);
+            found.map_or(0.0, |e| e.1) / self.scale[i]
+        };
+        let agrees = |i: usize| {
+            self.entries(i).iter().filter(|e| (e.0 as usize) < n).all(|&(j, w)| {
+                let (a, b) = (w / self.scale[i], entry(j as usize, i));
+                (a - b).abs() <= 1e-12 * a.abs().max(b.abs())
+            })
+        };
+        par::blocks(n, |mut range| range.all(agrees)).into_iter().all(|ok| ok)
+    }
 }
 
-impl LinearOperator for CurveOperator {
+impl LinearOperator for RowOperator {
     fn unknown_count(&self) -> usize {
-        self.rows.len()
+        self.scale.len()
     }
 
     #[inline]
     fn row(&self, i: usize, x: &[Vec3]) -> Vec3 {
-        let CurveRow { neighbours: [l, r], weights, .. } = self.rows[i];
-        weights[0] * x[i] + weights[1] * x[l as usize] + weights[2] * x[r as usize]
+        let mut sum = Vec3::ZERO;
+        for &(q, weight) in self.entries(i) {
+            sum += weight * x[q as usize];
+        }
+        sum
     }
 
     fn scale(&self, i: usize) -> f64 {
-        self.rows[i].scale
+        self.scale[i]
     }
 
     fn smallest_eigenvalue_bound(&self) -> f64 {
-        BOUNDARY_SMALLEST_EIGENVALUE
+        self.guaranteed
+    }
+
+    fn usual_smallest_eigenvalue(&self) -> f64 {
+        self.usual.max(self.guaranteed)
     }
 }

@@ -12,11 +12,14 @@
 
 use alloc::vec::Vec;
 
+use crate::crease::{Kind, Sharpness};
 use crate::ids::{EdgeId, HalfedgeId, NONE, VertexId};
-use crate::rules::VertexRule;
-use crate::scheme::Corners;
+use crate::rows::Rows;
+use crate::rules::{BoundaryKinds, by_valence};
+use crate::scheme::Rules;
+use crate::scheme::loop_scheme::ring_weight;
 use crate::topology::Triangles;
-use crate::{Stencils, Topology, Vec3, par};
+use crate::{Topology, Vec3, par};
 
 /// The half-edge of the finer mesh with which parent half-edge `h` begins.
 fn first_half(h: u32) -> u32 {
@@ -159,59 +162,83 @@ fn children(
     }
 }
 
-/// The finer values: vertices by their rule, then the points on the edges.
-pub(super) fn apply(topology: &Topology, corners: Corners, values: &[Vec3]) -> Vec<Vec3> {
-    let rule = VertexRule::refined(topology, corners);
-    let old = topology.vertex_count();
-    let mut finer = alloc::vec![Vec3::ZERO; old + topology.edge_count()];
-    par::fill(&mut finer[..old], |v| rule.apply(VertexId(v as u32), values));
-    par::fill(&mut finer[old..], |e| {
-        let h = topology.edge_halfedge(EdgeId(e as u32));
-        let (a, b) = (topology.origin(h), topology.target(h));
-        let value = |v: VertexId| values[v.index()];
-        if let Some(t) = topology.twin(h) {
-            let c = topology.origin(topology.prev(h));
-            let d = topology.origin(topology.prev(t));
-            0.375 * (value(a) + value(b)) + 0.125 * (value(c) + value(d))
-        } else {
-            let [wa, wb] = rule.kinds.edge_weights(a, b);
-            wa * value(a) + wb * value(b)
-        }
-    });
-    finer
+/// The half-edges with which the halves of the edge of `h` begin and end.
+pub(super) fn halves(h: u32) -> [u32; 2] {
+    [first_half(h), second_half(h)]
 }
 
-/// The rows of [`apply`].
-pub(super) fn stencils(topology: &Topology, corners: Corners) -> Stencils {
-    let rule = VertexRule::refined(topology, corners);
-    let old = topology.vertex_count();
-    let mut row_start = Vec::with_capacity(old + topology.edge_count() + 1);
-    let mut end = 0;
-    row_start.push(end);
-    for v in topology.vertices() {
-        end += rule.row_len(v);
-        row_start.push(end);
-    }
-    for e in topology.edges() {
-        end += if topology.is_boundary_edge(e) { 2 } else { 4 };
-        row_start.push(end);
-    }
-    Stencils::build(old, row_start, &|row, source, weight| {
-        if row < old {
-            rule.row(VertexId(row as u32), source, weight);
-            return;
+/// The finer values: vertices by their rule, then the points on the edges.
+pub(super) struct LoopRows<'t> {
+    sharp: Sharpness<'t>,
+    kinds: BoundaryKinds<'t>,
+    /// Weight of the ring by valence.
+    ring: Vec<f64>,
+}
+
+impl<'t> LoopRows<'t> {
+    pub(super) fn new(topology: &'t Topology, rules: &'t Rules) -> Self {
+        Self {
+            sharp: rules.sharpness(topology),
+            kinds: BoundaryKinds { topology, corners: rules.corners },
+            ring: by_valence(topology, ring_weight),
         }
-        let h = topology.edge_halfedge(EdgeId((row - old) as u32));
+    }
+
+    fn vertex(&self, v: VertexId, mut entry: impl FnMut(u32, f64)) {
+        let topology = self.sharp.topology;
+        if topology.is_isolated(v) {
+            return entry(v.0, 1.0);
+        }
+        for (kind, share) in self.sharp.blend(v).into_iter().filter(|b| b.1 > 0.0) {
+            match kind {
+                Kind::Corner => entry(v.0, share),
+                Kind::Crease(ends) => {
+                    entry(v.0, 0.75 * share);
+                    ends.iter().for_each(|q| entry(q.0, 0.125 * share));
+                }
+                Kind::Smooth => {
+                    let n = topology.fan_size(v);
+                    let ring = self.ring[n as usize];
+                    entry(v.0, (1.0 - ring) * share);
+                    let each = ring / f64::from(n) * share;
+                    topology.ring(v).for_each(|q| entry(q.0, each));
+                }
+            }
+        }
+    }
+
+    fn edge(&self, e: EdgeId, mut entry: impl FnMut(u32, f64)) {
+        let topology = self.sharp.topology;
+        let h = topology.edge_halfedge(e);
         let (a, b) = (topology.origin(h), topology.target(h));
-        source[..2].copy_from_slice(&[a.0, b.0]);
-        if let Some(t) = topology.twin(h) {
-            source[2] = topology.origin(topology.prev(h)).0;
-            source[3] = topology.origin(topology.prev(t)).0;
-            weight.copy_from_slice(&[0.375, 0.375, 0.125, 0.125]);
-        } else {
-            weight.copy_from_slice(&rule.kinds.edge_weights(a, b));
+        let Some(t) = topology.twin(h) else {
+            let [wa, wb] = self.kinds.edge_weights(a, b);
+            entry(a.0, wa);
+            return entry(b.0, wb);
+        };
+        let smooth = 1.0 - self.sharp.edge(e).min(1.0);
+        let (end, wing) = (0.5 - 0.125 * smooth, 0.125 * smooth);
+        entry(a.0, end);
+        entry(b.0, end);
+        if wing > 0.0 {
+            entry(topology.origin(topology.prev(h)).0, wing);
+            entry(topology.origin(topology.prev(t)).0, wing);
         }
-    })
+    }
+}
+
+impl Rows for LoopRows<'_> {
+    fn len(&self) -> usize {
+        self.sharp.topology.vertex_count() + self.sharp.topology.edge_count()
+    }
+
+    #[inline]
+    fn visit(&self, row: usize, entry: impl FnMut(u32, f64)) {
+        match row.checked_sub(self.sharp.topology.vertex_count()) {
+            None => self.vertex(VertexId(row as u32), entry),
+            Some(e) => self.edge(EdgeId(e as u32), entry),
+        }
+    }
 }
 
 /// Linear interpolation within each face.

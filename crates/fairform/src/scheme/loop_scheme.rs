@@ -111,8 +111,8 @@ pub fn boundary_limit_weight(centre: BoundaryKind, neighbour: BoundaryKind) -> f
 #[must_use]
 pub fn boundary_scale(centre: BoundaryKind) -> f64 {
     match centre {
-        BoundaryKind::Regular => 48.0,
-        BoundaryKind::Extraordinary | BoundaryKind::Corner => 35.0,
+        BoundaryKind::Regular => 35.0,
+        BoundaryKind::Extraordinary | BoundaryKind::Corner => 48.0,
     }
 }
 

@@ -25,16 +25,15 @@ pub enum Interval {
         /// Lower end.
         smallest: f64,
     },
-    /// Chebyshev for the eigenvalues that meshes have in practice, begun anew with a guaranteed
-    /// lower end if the residual does not fall as hoped.
+    /// Chebyshev for the eigenvalues that meshes have in practice, begun anew with a lower end that is
+    /// farther down whenever the residual does not fall as hoped.
     Hopeful {
-        /// Lower end to fall back to.
+        /// Lower end to begin with.
+        usual: f64,
+        /// Lower end beyond which nothing is to be found.
         guaranteed: f64,
     },
 }
-
-/// Smallest eigenvalue of nearly all meshes that one meets, whatever their worst vertex would allow.
-const USUAL_SMALLEST: f64 = 0.2;
 
 impl Interval {
     /// What stands before the powers of the contraction: 2 for Chebyshev polynomials.
@@ -51,9 +50,8 @@ impl Interval {
         match self {
             Self::Plain => 1.0 - smallest,
             Self::Weighted { smallest } => (1.0 - smallest) / (1.0 + smallest),
-            Self::Hopeful { guaranteed } => {
-                let smallest = guaranteed.max(USUAL_SMALLEST);
-                Self::Chebyshev { smallest }.contraction(smallest)
+            Self::Hopeful { usual, .. } => {
+                Self::Chebyshev { smallest: usual }.contraction(smallest)
             }
             Self::Chebyshev { smallest } => {
                 let root = libm::sqrt(smallest);
@@ -79,18 +77,20 @@ impl Coefficients {
 
     /// The numbers for the next update, after a largest residual was seen.
     fn next(&mut self, residual: f64) -> (f64, f64) {
-        if let Interval::Hopeful { guaranteed } = self.interval {
+        if let Interval::Hopeful { usual, guaranteed } = self.interval {
             self.seen.push(residual);
-            if guaranteed < USUAL_SMALLEST && self.is_disappointing() {
-                self.interval = Interval::Chebyshev { smallest: guaranteed };
+            if guaranteed < usual && self.is_disappointing(usual) {
+                let usual = guaranteed.max(usual / 4.0);
+                self.interval = Interval::Hopeful { usual, guaranteed };
                 self.rho = None;
+                self.seen.clear();
             }
         }
         match self.interval {
             Interval::Plain => (0.0, 1.0),
             Interval::Weighted { smallest } => (0.0, 2.0 / (1.0 + smallest)),
             Interval::Chebyshev { smallest } => self.chebyshev(smallest),
-            Interval::Hopeful { guaranteed } => self.chebyshev(guaranteed.max(USUAL_SMALLEST)),
+            Interval::Hopeful { usual, .. } => self.chebyshev(usual),
         }
     }
 
@@ -109,14 +109,17 @@ impl Coefficients {
         (now * before, 2.0 * now / delta)
     }
 
-    /// Whether the last updates shrank the residual by less than a third each, where well over a
-    /// half was to be expected.
-    fn is_disappointing(&self) -> bool {
-        const UPDATES: usize = 4;
-        match *self.seen.as_slice() {
-            [.., before, _, _, _, now] if self.seen.len() > UPDATES + 2 => now > 0.2 * before,
-            _ => false,
+    /// Whether the residual fell, over the last half of the updates, by less than the square root of
+    /// what the interval promises.
+    fn is_disappointing(&self, smallest: f64) -> bool {
+        let contraction = Interval::Chebyshev { smallest }.contraction(smallest);
+        // Enough updates for a promise of at least a factor of 100.
+        let needed = libm::ceil(libm::log(0.01) / libm::log(contraction)) as usize;
+        let Some(before) = self.seen.len().checked_sub(needed + 1) else { return false };
+        if before < 2 {
+            return false;
         }
+        self.seen[self.seen.len() - 1] > 0.1 * self.seen[before]
     }
 }
 

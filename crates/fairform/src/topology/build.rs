@@ -127,7 +127,7 @@ impl Topology {
     }
 
     /// Numbers the edges by first appearance.
-    fn with_edges(mut self) -> Self {
+    pub(super) fn with_edges(mut self) -> Self {
         let twin = &self.twin;
         let leads = |h: usize| twin[h] == NONE || twin[h] as usize > h;
         let counts =

@@ -11,19 +11,17 @@ pub fn golden(name: &str) -> Value {
     serde_json::from_str(&text).unwrap_or_else(|e| panic!("{path}: {e}"))
 }
 
-pub const GOLDEN_LOOP: [&str; 11] = [
-    "boundary-fan-2",
-    "boundary-fan-5",
-    "cube-triangulated",
-    "icosahedron",
-    "noisy-sphere",
-    "octahedron",
-    "open-cylinder",
-    "open-grid",
-    "single-triangle",
-    "six-configurations",
-    "tetrahedron",
-];
+/// The names of the fixtures in a folder of `data/golden`.
+pub fn golden_names(folder: &str) -> Vec<String> {
+    let path = format!("{}/../../data/golden/{folder}", env!("CARGO_MANIFEST_DIR"));
+    let entries = std::fs::read_dir(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
+    let mut names: Vec<String> = entries
+        .map(|entry| entry.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned())
+        .map(|stem| format!("{folder}/{stem}"))
+        .collect();
+    names.sort();
+    names
+}
 
 pub fn points(value: &Value) -> Vec<Vec3> {
     let list = value.as_array().expect("a list of points");

@@ -1,0 +1,232 @@
+//! Tangents and normals of the limit surface at the limit points of the vertices.
+
+use alloc::vec::Vec;
+use core::f64::consts::PI;
+
+use libm::{cos, sin};
+
+use super::local::Local;
+use crate::crease::Sharpness;
+use crate::error::Error;
+use crate::ids::VertexId;
+use crate::refine::DooSabinRows;
+use crate::scheme::loop_scheme::{
+    inward_tangent_centre_weight, inward_tangent_weight, tangent_weights,
+};
+use crate::scheme::{Rules, Scheme, catmull_clark};
+use crate::{Topology, Vec3, par};
+
+/// The unit normals of the limit surface at the limit points of all vertices, outwards for
+/// counter-clockwise faces; zero at isolated vertices and where the tangents are parallel.
+///
+/// On a crease the surface has a normal on either side; the result is their mean. At a boundary
+/// vertex with two faces Loop's limit surface has no unique normal; there the result is that of the
+/// convention of
+/// [`inward_tangent_weight`](crate::scheme::loop_scheme::inward_tangent_weight).
+///
+/// # Errors
+/// As [`limit_points`](super::limit_points).
+///
+/// # Panics
+/// If there is not one point per vertex.
+pub fn limit_normals(
+    topology: &Topology,
+    points: &[Vec3],
+    rules: &Rules,
+) -> Result<Vec<Vec3>, Error> {
+    let tangents = Tangents::new(topology, points, rules)?;
+    Ok(par::collect(points.len(), |i| {
+        let mut normal = Vec3::ZERO;
+        tangents.at(VertexId(i as u32), |[along, across]| {
+            // Scaled first, so that no product of tiny or huge tangents under- or overflows.
+            normal += along.normalized().cross(across.normalized()).normalized();
+        });
+        normal.normalized()
+    }))
+}
+
+/// Two tangents of the limit surface at the limit point of every vertex; their vector product
+/// points outwards. On a crease those of one side. Zero at isolated vertices.
+///
+/// # Errors
+/// As [`limit_points`](super::limit_points).
+///
+/// # Panics
+/// If there is not one point per vertex.
+pub fn limit_tangents(
+    topology: &Topology,
+    points: &[Vec3],
+    rules: &Rules,
+) -> Result<Vec<[Vec3; 2]>, Error> {
+    let tangents = Tangents::new(topology, points, rules)?;
+    Ok(par::collect(points.len(), |i| {
+        let mut first = None;
+        tangents.at(VertexId(i as u32), |t| {
+            first.get_or_insert(t);
+        });
+        first.unwrap_or_default()
+    }))
+}
+
+struct Tangents<'a> {
+    sharp: Sharpness<'a>,
+    rules: &'a Rules,
+    points: &'a [Vec3],
+    images: Option<DooSabinRows<'a>>,
+}
+
+impl<'a> Tangents<'a> {
+    fn new(topology: &'a Topology, points: &'a [Vec3], rules: &'a Rules) -> Result<Self, Error> {
+        assert_eq!(points.len(), topology.vertex_count(), "one point per vertex");
+        super::check(topology, rules)?;
+        let images = (rules.scheme == Scheme::DooSabin).then(|| DooSabinRows::new(topology, rules));
+        Ok(Self { sharp: rules.sharpness(topology), rules, points, images })
+    }
+
+    /// The tangents at a vertex, for each of its sectors between sharp edges.
+    fn at(&self, v: VertexId, mut found: impl FnMut([Vec3; 2])) {
+        let topology = self.sharp.topology;
+        if topology.is_isolated(v) {
+            return;
+        }
+        let point = |q: VertexId| self.points[q.index()];
+        if let Some(images) = &self.images {
+            return found(self.doo_sabin(images, v));
+        }
+        if self.rules.scheme == Scheme::Loop
+            && self.rules.creases.is_none()
+            && !topology.is_boundary(v)
+        {
+            return found(ring(topology.ring(v).map(point), topology.fan_size(v)));
+        }
+        let mut values = alloc::vec![point(v)];
+        values.extend(topology.ring(v).map(point));
+        if self.rules.scheme == Scheme::CatmullClark {
+            values.extend(topology.fan(v).map(|h| {
+                let corners = topology.face_vertices(topology.face(h));
+                corners.iter().map(|&q| point(q)).sum::<Vec3>() / corners.len() as f64
+            }));
+        }
+        let (local, values) = Local::new(self.sharp, self.rules, v).settle(values);
+        let (m, k) = (local.edges.len(), local.face_count());
+        let (here, edges) = (values[0], &values[1..=m]);
+        let faces = &values[1 + m..];
+        if local.is_smooth() {
+            return found(match self.rules.scheme {
+                Scheme::CatmullClark => quads(edges, faces),
+                _ => ring(edges.iter().copied(), k as u32),
+            });
+        }
+        for (first, count) in local.sectors() {
+            let edge = |i: usize| edges[(first + i) % m];
+            found(if local.is_corner() {
+                [edge(0) - here, edge(count) - here]
+            } else if self.rules.scheme == Scheme::CatmullClark {
+                let face = |i: usize| faces[(first + i) % k];
+                catmull_clark_side(here, count, edge, face)
+            } else {
+                loop_side(here, count as u32, edge)
+            });
+        }
+    }
+
+    fn doo_sabin(&self, images: &DooSabinRows<'_>, v: VertexId) -> [Vec3; 2] {
+        let topology = self.sharp.topology;
+        let sum = |visit: &dyn Fn(&mut dyn FnMut(u32, f64))| {
+            let mut sum = Vec3::ZERO;
+            visit(&mut |q, w| sum += w * self.points[q as usize]);
+            sum
+        };
+        let image = |h| sum(&|mut entry| images.image(h, 1.0, &mut entry));
+        let mut corners: Vec<Vec3> = topology.fan(v).map(image).collect();
+        let (Some(first), Some(last)) = (topology.outgoing(v), topology.fan(v).last()) else {
+            return [Vec3::ZERO; 2];
+        };
+        if !topology.is_boundary(v) {
+            return polygon(&corners);
+        }
+        let in_edge = |h| sum(&|mut entry| images.edge_image(h, v, 1.0, &mut entry));
+        let (start, end) = (in_edge(first), in_edge(topology.prev(last)));
+        corners.insert(0, start);
+        corners.push(end);
+        // The side of the V-face from `end` to `start` is the boundary of the finer mesh; the next
+        // step gives it images on the inside.
+        let f = corners.len() as u32;
+        let regular = |i: u32| -> Vec3 {
+            (0..f)
+                .zip(&corners)
+                .map(|(j, &p)| crate::scheme::doo_sabin::image_weight(f, i.abs_diff(j)) * p)
+                .sum()
+        };
+        let inner = 0.5 * (regular(0) + regular(f - 1));
+        [start - end, inner - 0.5 * (start + end)]
+    }
+}
+
+/// Tangents at the centroid of a polygon that shrinks by Doo and Sabin's rule.
+fn polygon(corners: &[Vec3]) -> [Vec3; 2] {
+    let n = corners.len() as f64;
+    let mut t = [Vec3::ZERO; 2];
+    for (j, &p) in corners.iter().enumerate() {
+        let angle = 2.0 * PI * j as f64 / n;
+        t[0] += cos(angle) * p;
+        t[1] += sin(angle) * p;
+    }
+    t
+}
+
+/// Loop's tangents from the ring of an interior vertex.
+fn ring(points: impl Iterator<Item = Vec3>, n: u32) -> [Vec3; 2] {
+    let mut t = [Vec3::ZERO; 2];
+    for (i, q) in points.enumerate() {
+        let [c, s] = tangent_weights(n, i as u32);
+        t[0] += c * q;
+        t[1] += s * q;
+    }
+    t
+}
+
+/// Catmull–Clark tangents from the neighbours and opposite corners of an interior vertex.
+fn quads(edges: &[Vec3], faces: &[Vec3]) -> [Vec3; 2] {
+    let mut t = [Vec3::ZERO; 2];
+    for (i, (&e, &f)) in edges.iter().zip(faces).enumerate() {
+        let weights = catmull_clark::tangent_weights(edges.len() as u32, i as u32);
+        for (t, [edge, face]) in t.iter_mut().zip(weights) {
+            *t += edge * e + face * f;
+        }
+    }
+    t
+}
+
+/// Loop's tangents on one side of a curve through a vertex with `k` faces on that side.
+fn loop_side(here: Vec3, k: u32, edge: impl Fn(usize) -> Vec3) -> [Vec3; 2] {
+    let mut across = inward_tangent_centre_weight(k) * here;
+    for i in 0..=k {
+        across += inward_tangent_weight(k, i) * edge(i as usize);
+    }
+    [edge(0) - edge(k as usize), across]
+}
+
+/// Catmull–Clark tangents on one side of a curve through a vertex with `k` faces on that side.
+/// \[Biermann2000\]
+fn catmull_clark_side(
+    here: Vec3,
+    k: usize,
+    edge: impl Fn(usize) -> Vec3,
+    face: impl Fn(usize) -> Vec3,
+) -> [Vec3; 2] {
+    let along = edge(0) - edge(k);
+    if k == 1 {
+        return [along, 0.5 * (edge(0) + edge(1)) - here];
+    }
+    let theta = PI / k as f64;
+    let r = (cos(theta) + 1.0) / sin(theta);
+    let mut across = 4.0 * r * (cos(theta) - 1.0) * here;
+    across += -r * (1.0 + 2.0 * cos(theta)) * (edge(0) + edge(k));
+    across += sin(theta) * face(0);
+    for i in 1..k {
+        let (s, t) = (sin(i as f64 * theta), sin((i + 1) as f64 * theta));
+        across += 4.0 * s * edge(i) + (s + t) * face(i);
+    }
+    [along, across]
+}
