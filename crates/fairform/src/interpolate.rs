@@ -458,7 +458,7 @@ fn run<A: LinearOperator>(
 }
 
 /// Lower end of a spectrum of which only its sign is known.
-const LEAST: f64 = 1e-3;
+const LEAST: f64 = 0.01;
 
 /// Numbers for some vertices from 0 up, in their order; [`NONE`] for all others.
 fn numbering(vertex_count: usize, vertices: &[u32]) -> Vec<u32> {

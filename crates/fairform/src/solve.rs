@@ -106,7 +106,7 @@ struct Progress<'a, 'o> {
 
 /// Updates without a clear gain after which a solve has stalled: near the limits of rounding soon,
 /// otherwise only when even the slowest spectrum would have shown one.
-const PATIENCE: [(f64, u32); 2] = [(1e-11, 50), (f64::INFINITY, 3000)];
+const PATIENCE: [(f64, u32); 2] = [(1e-11, 300), (f64::INFINITY, 3000)];
 
 impl<'a, 'o> Progress<'a, 'o> {
     fn new(stop: Stop, observer: &'a mut Observer<'o>) -> Self {

@@ -47,7 +47,7 @@ fn refinement() {
         for level in fixture["refine"].as_array().unwrap() {
             let step = refine(at.topology(), &rules).unwrap();
             let positions = step.apply(at.positions());
-            assert_near(&step.stencils().apply(at.positions()), &positions, 1e-15, &name);
+            assert_near(&step.stencils().apply(at.positions()), &positions, 4e-15, &name);
             let (topology, next) = (step.topology, step.next);
             at = Mesh::from_parts(topology.into(), positions);
             rules = next;
@@ -141,7 +141,7 @@ fn exact_control_meshes_by_every_method() {
             let options = Options { method, tolerance: Some(1e-14), ..Options::default() };
             let (control, report) = fit(&target, &rules, &options);
             // Rounding may keep the residual a few units above so small a tolerance.
-            assert!(report.max < 1e-13, "{name} {method}: {report:?}");
+            assert!(report.max < 1e-13, "{name} {method}: {}", report.max);
             assert_near(&control, &exact, 2e-12, &format!("{name} {method}"));
         }
     }
