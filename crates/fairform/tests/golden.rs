@@ -40,6 +40,13 @@ fn fixtures() -> Vec<(String, Value, Rules)> {
     all
 }
 
+fn from_lowest(face: &[u32]) -> Vec<u32> {
+    let mut face = face.to_vec();
+    let lowest = face.iter().enumerate().min_by_key(|c| c.1).map_or(0, |c| c.0);
+    face.rotate_left(lowest);
+    face
+}
+
 #[test]
 fn refinement() {
     for (name, fixture, rules) in fixtures() {
@@ -52,7 +59,13 @@ fn refinement() {
             at = Mesh::from_parts(topology.into(), positions);
             rules = next;
             assert_near(at.positions(), &points(&level["vertices"]), 1e-12, &name);
-            assert_eq!(at.topology().to_faces(), faces(&level["faces"]), "{name}");
+            let (actual, expected) = (at.topology().to_faces(), faces(&level["faces"]));
+            assert_eq!(actual.len(), expected.len(), "{name}");
+            for (a, e) in actual.iter().zip(expected.iter()) {
+                // Doo–Sabin leaves open at which corner the face of a vertex begins.
+                let any_start = rules.scheme == Scheme::DooSabin;
+                assert!(a == e || any_start && from_lowest(a) == from_lowest(e), "{name} {a:?}");
+            }
         }
     }
 }
