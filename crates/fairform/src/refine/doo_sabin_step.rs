@@ -46,7 +46,11 @@ pub(super) fn finer_topology(coarse: &Topology, border: Border) -> Result<Topolo
         faces.push(&corners);
     }
     for e in coarse.edges() {
-        let h = coarse.edge_halfedge(e);
+        let mut h = coarse.edge_halfedge(e);
+        // From the lower end to the higher, wherever there are faces on both sides.
+        if let Some(t) = coarse.twin(h).filter(|_| coarse.origin(h) > coarse.target(h)) {
+            h = t;
+        }
         let (a, b) = (h.0, coarse.next(h).0);
         match coarse.twin(h) {
             Some(t) => faces.push(&[b, a, coarse.next(t).0, t.0]),
