@@ -147,3 +147,93 @@ pub fn random_mesh(seed: u64, splits: usize, holes: usize) -> Mesh {
     }
     Mesh::new(positions, &list.iter().collect()).expect("a manifold")
 }
+
+/// Closed and open polygon meshes: quads, n-gons, valences 2 to 12.
+pub fn polygons() -> Vec<(&'static str, Mesh)> {
+    vec![
+        ("cube", shapes::cube()),
+        ("prism 5", prism(5)),
+        ("prism 6", prism(6)),
+        ("quad torus", quad_torus(4, 6)),
+        ("quad sheet", quad_sheet(4, 5)),
+        ("strip", quad_sheet(2, 5)),
+        ("one quad", quad_sheet(2, 2)),
+        ("mixed", mixed()),
+        ("octahedron", shapes::octahedron()),
+        ("bipyramid 12", shapes::bipyramid(12)),
+        ("fan 7", shapes::fan(7)),
+        ("several", several()),
+    ]
+}
+
+/// Two `n`-gons and `n` quads, bumpy.
+pub fn prism(n: u32) -> Mesh {
+    let at = |i: u32, z: f64| {
+        let u = 2.0 * std::f64::consts::PI * f64::from(i) / f64::from(n);
+        Vec3::new(libm::cos(u), libm::sin(u), z + 0.1 * libm::sin(3.0 * u + z))
+    };
+    let positions = (0..n).map(|i| at(i, 0.0)).chain((0..n).map(|i| at(i, 1.0))).collect();
+    let mut faces: Faces = (0..n).map(|i| [i, (i + 1) % n, n + (i + 1) % n, n + i]).collect();
+    faces.push(&(0..n).rev().collect::<Vec<_>>());
+    faces.push(&(n..2 * n).collect::<Vec<_>>());
+    Mesh::new(positions, &faces).unwrap()
+}
+
+pub fn quad_torus(rows: u32, columns: u32) -> Mesh {
+    let at = |i: u32, j: u32| i % rows * columns + j % columns;
+    let faces: Faces = (0..rows * columns)
+        .map(|k| (k / columns, k % columns))
+        .map(|(i, j)| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)])
+        .collect();
+    Mesh::new(shapes::torus(rows.max(3), columns).into_positions(), &faces).unwrap()
+}
+
+pub fn quad_sheet(rows: u32, columns: u32) -> Mesh {
+    let at = |i: u32, j: u32| i * columns + j;
+    let faces: Faces = (0..(rows - 1) * (columns - 1))
+        .map(|k| (k / (columns - 1), k % (columns - 1)))
+        .map(|(i, j)| [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)])
+        .collect();
+    let height = |x: f64, y: f64| libm::sin(4.0 * x) * y + 0.3 * x * x;
+    Mesh::new(shapes::sheet(rows, columns, height).into_positions(), &faces).unwrap()
+}
+
+/// A triangle, a quad and a pentagon side by side, open.
+pub fn mixed() -> Mesh {
+    let faces: Faces = [&[0, 1, 2][..], &[1, 3, 4, 2], &[4, 3, 5, 6, 7]].into_iter().collect();
+    let positions = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.2],
+        [0.5, 1.0, 0.0],
+        [2.0, 0.1, 0.3],
+        [1.6, 1.2, -0.2],
+        [3.0, 0.2, 0.1],
+        [3.2, 1.1, 0.0],
+        [2.4, 1.8, 0.4],
+    ];
+    Mesh::new(positions.map(Vec3::from).to_vec(), &faces).unwrap()
+}
+
+/// Some edges and vertices made sharp, for a while or for ever, from a seed.
+pub fn random_creases(topology: &fairform::Topology, seed: u64, share: u64) -> fairform::Creases {
+    let mut state = seed | 1;
+    let mut random = move |below: u64| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 11) % below
+    };
+    let mut creases = fairform::Creases::smooth(topology);
+    let sharpness = [0.4, 1.0, 1.7, 2.5, 10.0, 10.0, 10.0];
+    for e in topology.edges() {
+        if random(100) < share {
+            creases.set_edge(e, sharpness[random(7) as usize]).unwrap();
+        }
+    }
+    for v in topology.vertices() {
+        if random(100) < share / 4 {
+            creases.set_vertex(v, sharpness[random(7) as usize]).unwrap();
+        }
+    }
+    creases
+}

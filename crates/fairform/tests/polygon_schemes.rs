@@ -1,0 +1,365 @@
+//! Catmull–Clark and Doo–Sabin, shape parameters and creases: what must hold on any mesh.
+
+mod common;
+
+use common::{
+    assert_near, assorted, polygons, quad_sheet, quad_torus, random_creases, random_mesh,
+};
+use fairform::interpolate::{Method, Options, interpolate};
+use fairform::refine::{check_size, refine, refine_mesh};
+use fairform::{
+    Border, Corners, Creases, Error, Mesh, Rules, Scheme, Topology, Vec3, VertexId, limit,
+};
+use proptest::prelude::*;
+
+fn limit_points(mesh: &Mesh, rules: &Rules) -> Vec<Vec3> {
+    limit::limit_points(mesh.topology(), mesh.positions(), rules).unwrap()
+}
+
+/// Closed form equals search, rows equal rule, weights sum to one, a step keeps the limit points.
+fn check_step(mesh: &Mesh, rules: &Rules, name: &str) {
+    let coarse = mesh.topology();
+    let step = refine(coarse, rules).unwrap();
+    let size = check_size(coarse, rules, 1).unwrap();
+    let finer = &step.topology;
+    assert!(finer.vertex_count() as u64 <= size.vertex_count, "{name}");
+    if rules.scheme == Scheme::CatmullClark {
+        assert_eq!(finer.edge_count() as u64, size.edge_count, "{name}");
+        let found = Topology::from_faces(finer.vertex_count(), &finer.to_faces()).unwrap();
+        assert_eq!(*finer, found, "{name}");
+    }
+    for f in finer.faces() {
+        assert!(step.parent(f).index() < coarse.face_count(), "{name}");
+    }
+    let stencils = step.stencils();
+    let positions = step.apply(mesh.positions());
+    assert_near(&stencils.apply(mesh.positions()), &positions, 4e-15, name);
+    for row in 0..stencils.row_count() {
+        let sum: f64 = stencils.row(row).map(|(_, w)| w).sum();
+        assert!((sum - 1.0).abs() < 1e-14, "{name} row {row}");
+    }
+    let rows = limit::limit_stencils(coarse, rules).unwrap();
+    let before = limit_points(mesh, rules);
+    assert_near(&rows.apply(mesh.positions()), &before, 4e-15, name);
+    if rules.scheme != Scheme::DooSabin {
+        let after = limit_points(&Mesh::from_parts(step.topology.into(), positions), &step.next);
+        assert_near(&after[..before.len()], &before, 1e-13, name);
+    }
+}
+
+fn catmull_clark(corners: Corners) -> Rules {
+    Rules { corners, ..Scheme::CatmullClark.into() }
+}
+
+#[test]
+fn a_step_keeps_the_limit_points() {
+    for (name, mesh) in polygons() {
+        for corners in [Corners::Smooth, Corners::Sharp] {
+            check_step(&mesh, &catmull_clark(corners), name);
+        }
+        check_step(&mesh, &Scheme::DooSabin.into(), name);
+    }
+}
+
+#[test]
+fn a_step_keeps_the_limit_points_beside_creases() {
+    for seed in 1..12 {
+        for (name, mesh) in polygons() {
+            let creases = Some(random_creases(mesh.topology(), seed, 35).into());
+            check_step(&mesh, &Rules { creases, ..catmull_clark(Corners::Smooth) }, name);
+        }
+        for (name, mesh) in assorted() {
+            if name == "back to back" {
+                continue;
+            }
+            let creases = Some(random_creases(mesh.topology(), seed, 35).into());
+            check_step(&mesh, &Rules { creases, ..Rules::LOOP }, name);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+    #[test]
+    fn a_step_keeps_the_limit_points_of_random_meshes(
+        seed: u64, splits in 0..40_usize, holes in 0..9_usize, share in 0..80_u64,
+    ) {
+        let mesh = random_mesh(seed, splits, holes);
+        let creases = Some(random_creases(mesh.topology(), seed, share).into());
+        for scheme in [Scheme::Loop, Scheme::CatmullClark] {
+            check_step(&mesh, &Rules { creases: creases.clone(), ..scheme.into() }, "random");
+        }
+        check_step(&mesh, &Scheme::DooSabin.into(), "random");
+    }
+
+    /// Whatever the parameters, the two-phase process interpolates, and as fast as promised.
+    #[test]
+    fn two_phases_interpolate_for_any_parameters(
+        seed: u64, splits in 0..30_usize, holes in 0..6_usize, low in 0.05..0.9_f64,
+    ) {
+        let mesh = random_mesh(seed, splits, holes);
+        let count = mesh.topology().face_count();
+        let spread = |f: usize| low + (1.0 - low) * ((f * 7 + 3) % 10) as f64 / 10.0;
+        let tension: Vec<f64> = (0..count).map(spread).collect();
+        let rules = Rules { tension: Some(tension.into()), ..Scheme::DooSabin.into() };
+        check_step(&mesh, &rules, "two phases");
+        for method in Method::ALL {
+            check_fit(&mesh, &rules, method, "two phases");
+        }
+    }
+}
+
+fn check_fit(target: &Mesh, rules: &Rules, method: Method, name: &str) {
+    let options = Options { method, ..Options::default() };
+    let (control, report) = interpolate(target, rules, &options).unwrap();
+    assert!(report.is_converged(), "{name} {} {method}: {}", rules.scheme, report.max);
+    let limit = limit_points(&control, rules);
+    let off = limit.iter().zip(target.positions()).map(|(a, b)| (*a - *b).length());
+    let worst = off.fold(0.0, f64::max) / report.unit;
+    assert!(worst <= 1.01e-6, "{name} {} {method}: {worst:e}", rules.scheme);
+}
+
+#[test]
+fn every_method_interpolates_every_mesh() {
+    for (name, mesh) in polygons() {
+        for method in Method::ALL {
+            check_fit(&mesh, &Scheme::DooSabin.into(), method, name);
+            // Closed, 3-valent, bipartite: the operator is singular.
+            if !["cube", "prism 6"].contains(&name) {
+                check_fit(&mesh, &catmull_clark(Corners::Sharp), method, name);
+            }
+        }
+    }
+}
+
+/// The limit curve of a crease passes through the crease's vertices, and the surface through all.
+#[test]
+fn creases_are_interpolated() {
+    for seed in 1..8 {
+        for (name, mesh) in polygons() {
+            if name == "cube" || name == "prism 6" {
+                continue;
+            }
+            let creases = Some(random_creases(mesh.topology(), seed, 25).into());
+            let rules = Rules { creases, ..catmull_clark(Corners::Smooth) };
+            check_fit(&mesh, &rules, Method::Auto, name);
+        }
+        for (name, mesh) in assorted() {
+            let creases = Some(random_creases(mesh.topology(), seed, 25).into());
+            let rules = Rules { creases, ..Rules::LOOP };
+            check_fit(&mesh, &rules, Method::Auto, name);
+            check_fit(&mesh, &rules, Method::Chebyshev, name);
+        }
+    }
+}
+
+/// The smallest eigenvalue on 2-coloured quadrilateral tori, by its eigenvector.
+#[test]
+fn eigenvalues_of_regular_tori() {
+    let torus = quad_torus(4, 6);
+    let checks: Vec<Vec3> =
+        (0..24).map(|i| Vec3::splat(if (i / 6 + i % 6) % 2 == 0 { 1.0 } else { -1.0 })).collect();
+    let count = torus.topology().face_count();
+    let with = |lambda: f64| Rules {
+        tension: Some(vec![lambda; count].into()),
+        ..Scheme::DooSabin.into()
+    };
+    for (rules, expected) in [
+        (catmull_clark(Corners::Smooth), 1.0 / 9.0),
+        (Scheme::DooSabin.into(), 1.0 / 4.0),
+        (with(0.3), 0.3),
+        (with(0.8), 0.8),
+        (with(1.0), 1.0),
+    ] {
+        let image = limit::limit_points(torus.topology(), &checks, &rules).unwrap();
+        let scaled: Vec<Vec3> = checks.iter().map(|&p| expected * p).collect();
+        assert_near(&image, &scaled, 1e-14, rules.scheme.name());
+    }
+}
+
+/// The uniform B-spline of one unit value, as a product of its univariate values.
+#[test]
+fn regular_regions_are_b_splines() {
+    let (rows, columns, levels) = (9, 11, 3);
+    let sheet = quad_sheet(rows, columns);
+    let mut positions: Vec<Vec3> =
+        sheet.positions().iter().map(|p| Vec3::new(10.0 * p.x, 8.0 * p.y, 0.0)).collect();
+    positions[(4 * columns + 5) as usize].z = 1.0;
+    let peak = sheet.with_positions(positions);
+    let cubic = |x: f64| match x.abs() {
+        x if x < 1.0 => 2.0 / 3.0 - x * x + x * x * x / 2.0,
+        x if x < 2.0 => (2.0 - x).powf(3.0) / 6.0,
+        _ => 0.0,
+    };
+    let quadratic = |x: f64| match x.abs() {
+        x if x < 0.5 => 0.75 - x * x,
+        x if x < 1.5 => (1.5 - x).powf(2.0) / 2.0,
+        _ => 0.0,
+    };
+    let (fine, rules) = refine_mesh(&peak, &catmull_clark(Corners::Smooth), levels).unwrap();
+    check_spline(&limit_points(&fine, &rules), cubic, 400);
+    let (fine, rules) = refine_mesh(&peak, &Scheme::DooSabin.into(), levels).unwrap();
+    check_spline(&limit_points(&fine, &rules), quadratic, 400);
+}
+
+fn check_spline(points: &[Vec3], basis: impl Fn(f64) -> f64, at_least: usize) {
+    let mut checked = 0;
+    for p in points.iter().filter(|p| p.x > 2.5 && p.x < 7.5 && p.y > 2.5 && p.y < 5.5) {
+        let expected = basis(p.x - 5.0) * basis(p.y - 4.0);
+        assert!((p.z - expected).abs() < 1e-14, "at {}, {}: {} not {expected}", p.x, p.y, p.z);
+        checked += 1;
+    }
+    assert!(checked >= at_least, "{checked}");
+}
+
+/// Chords of a deep refinement from the limit point become orthogonal to the normal.
+#[test]
+fn normals_are_orthogonal_to_the_surface() {
+    let with_tension = |mesh: &Mesh| Rules {
+        tension: Some(vec![0.7; mesh.topology().face_count()].into()),
+        ..Scheme::DooSabin.into()
+    };
+    for (name, mesh) in polygons() {
+        let schemes = [
+            catmull_clark(Corners::Smooth),
+            catmull_clark(Corners::Sharp),
+            Scheme::DooSabin.into(),
+            with_tension(&mesh),
+        ];
+        for rules in schemes {
+            let (rough, fine) = (spread(&mesh, &rules, 2), spread(&mesh, &rules, 6));
+            let what = format!("{name} {} {:?}", rules.scheme, rules.corners);
+            assert!(fine < 0.3 && (fine < 0.6 * rough || fine < 1e-12), "{what}: {rough}, {fine}");
+        }
+    }
+}
+
+/// The largest cosine between normals and chords to the nearest limit points.
+fn spread(mesh: &Mesh, rules: &Rules, levels: u32) -> f64 {
+    let topology = mesh.topology();
+    let normals = limit::limit_normals(topology, mesh.positions(), rules).unwrap();
+    let at = limit_points(mesh, rules);
+    let (fine, next) = refine_mesh(mesh, rules, levels).unwrap();
+    let points = limit_points(&fine, &next);
+    let size = mesh.bounds().diagonal();
+    let mut worst = 0.0_f64;
+    for v in topology.vertices().filter(|&v| !topology.is_isolated(v)) {
+        if rules.scheme == Scheme::DooSabin {
+            // Vertices are not kept: look around the limit point.
+            let near = |p: &&Vec3| {
+                let far = (**p - at[v.index()]).length() / size;
+                far > 1e-9 && far < 0.35 / f64::from(1 << levels)
+            };
+            for p in points.iter().filter(near) {
+                worst = worst.max((*p - at[v.index()]).normalized().dot(normals[v.index()]).abs());
+            }
+        } else {
+            for q in fine.topology().ring(VertexId(v.0)) {
+                let chord = (points[q.index()] - at[v.index()]).normalized();
+                worst = worst.max(chord.dot(normals[v.index()]).abs());
+            }
+        }
+    }
+    worst
+}
+
+/// A parameter acts near its face only: the control points far away hardly move.
+#[test]
+fn a_parameter_acts_locally() {
+    let torus = quad_torus(24, 24);
+    let fit = |one: f64| {
+        let mut tension = vec![0.5; torus.topology().face_count()];
+        tension[0] = one;
+        let rules = Rules { tension: Some(tension.into()), ..Scheme::DooSabin.into() };
+        let options = Options { tolerance: Some(1e-13), ..Options::default() };
+        interpolate(&torus, &rules, &options).unwrap().0.into_positions()
+    };
+    let (a, b) = (fit(0.5), fit(0.9));
+    let ring = |v: usize| {
+        let (i, j) = (v / 24, v % 24);
+        let far = |k: usize| if k == 0 { 0 } else { (k - 1).min(24 - k) };
+        far(i).max(far(j))
+    };
+    let change = |at: usize| {
+        let of = (0..576).filter(|&v| ring(v) == at).map(|v| (a[v] - b[v]).length());
+        of.fold(0.0, f64::max)
+    };
+    let near = change(0);
+    assert!(near > 1e-4, "{near}");
+    for at in 1..8 {
+        // The inverse falls by 0.163 and more per ring; so does its effect.
+        assert!(change(at) < near * 0.3_f64.powf(at as f64), "ring {at}: {}", change(at));
+    }
+}
+
+/// Exact fractions for a cube with one sharp edge, by hand.
+#[test]
+fn creases_by_hand() {
+    let cube = fairform::shapes::cube();
+    let topology = cube.topology();
+    let edge = topology.edges().find(|&e| {
+        let h = topology.edge_halfedge(e);
+        [topology.origin(h).0, topology.target(h).0].iter().all(|v| *v < 2)
+    });
+    let edge = edge.expect("the edge between vertices 0 and 1");
+    for (sharpness, point) in
+        [(0.0, [0.5, 0.125, 0.125]), (0.5, [0.5, 0.0625, 0.0625]), (1.0, [0.5, 0.0, 0.0])]
+    {
+        let mut creases = Creases::smooth(topology);
+        creases.set_edge(edge, sharpness).unwrap();
+        let rules = Rules { creases: Some(creases.into()), ..catmull_clark(Corners::Smooth) };
+        let step = refine(topology, &rules).unwrap();
+        let points = step.apply(cube.positions());
+        assert_eq!(points[8 + edge.index()], Vec3::from(point), "sharpness {sharpness}");
+        // A single sharp edge makes a dart, which follows the smooth rule: 5/9 of the way out from
+        // the centre, that is 2/9 from the corner at the origin.
+        assert!((points[0] - Vec3::splat(2.0 / 9.0)).length() < 1e-15, "{:?}", points[0]);
+    }
+    // Two sharp edges at the origin make a crease: 3/4, 1/8, 1/8. Three, a corner.
+    let at_origin: Vec<_> = topology
+        .edges()
+        .filter(|&e| {
+            let h = topology.edge_halfedge(e);
+            topology.origin(h).0 == 0 || topology.target(h).0 == 0
+        })
+        .collect();
+    for (count, expected) in [(2, None), (3, Some(Vec3::ZERO))] {
+        let mut creases = Creases::smooth(topology);
+        at_origin[..count].iter().for_each(|&e| creases.set_edge(e, 10.0).unwrap());
+        let rules = Rules { creases: Some(creases.into()), ..catmull_clark(Corners::Smooth) };
+        let points = refine(topology, &rules).unwrap().apply(cube.positions());
+        match expected {
+            Some(p) => assert_eq!(points[0], p),
+            None => {
+                let sum = points[0].x + points[0].y + points[0].z;
+                assert!((sum - 0.25).abs() < 1e-15, "two neighbours, an eighth each: {sum}");
+            }
+        }
+    }
+}
+
+#[test]
+fn choices_that_do_not_fit_are_errors() {
+    let cube = fairform::shapes::cube();
+    let topology = cube.topology();
+    let tension =
+        |values: Vec<f64>| Rules { tension: Some(values.into()), ..Scheme::DooSabin.into() };
+    for bad in [0.0, -0.5, 1.5, f64::NAN] {
+        let mut values = vec![0.5; 6];
+        values[4] = bad;
+        let error = limit::limit_points(topology, cube.positions(), &tension(values)).unwrap_err();
+        assert!(error.to_string().contains("face 4"), "{error}");
+    }
+    let error = tension(vec![0.5; 5]).check(topology).unwrap_err();
+    assert!(matches!(error, Error::WrongCount { expected: 6, .. }), "{error}");
+    let rules = Rules { scheme: Scheme::CatmullClark, ..tension(vec![0.5; 6]) };
+    assert!(matches!(rules.check(topology).unwrap_err(), Error::NotForScheme { .. }));
+    let sheet = quad_sheet(3, 3);
+    let rules = Rules { border: Border::Drop, ..Scheme::DooSabin.into() };
+    let error = limit::limit_points(sheet.topology(), sheet.positions(), &rules).unwrap_err();
+    assert!(matches!(error, Error::NoLimit { .. }), "{error}");
+    let mut creases = Creases::smooth(topology);
+    let edge = topology.edges().next().expect("an edge");
+    assert!(creases.set_edge(edge, f64::NAN).is_err());
+    assert!(creases.set_edge(edge, -1.0).is_err());
+}
