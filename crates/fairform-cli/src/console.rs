@@ -46,6 +46,7 @@ impl Console {
     }
 
     /// Text on standard output. A reader who has seen enough is no failure.
+    #[expect(clippy::unused_self, reason = "only who holds the console prints")]
     pub(crate) fn print(&self, text: &str) -> Result<(), Failure> {
         match io::stdout().lock().write_all(text.as_bytes()).and_then(|()| io::stdout().flush()) {
             Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {

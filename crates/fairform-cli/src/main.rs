@@ -5,6 +5,7 @@ mod commands;
 mod console;
 mod failure;
 mod input;
+mod steps;
 mod surface;
 
 use std::process::ExitCode;
@@ -22,7 +23,7 @@ fn main() -> ExitCode {
         Ok(code) => code,
         Err(failure) => {
             console.fail(&failure);
-            ExitCode::from(1)
+            ExitCode::from(failure.code)
         }
     }
 }
@@ -49,6 +50,6 @@ fn run(args: &Args, console: &Console) -> Result<ExitCode, Failure> {
         Command::Convert(args) => commands::convert::run(args, console),
         Command::Repair(args) => commands::repair::run(args, console),
         Command::Render(args) => commands::render::run(args, console),
-        Command::Completions { shell } => Ok(commands::completions::run(*shell)),
+        Command::Completions { shell } => commands::completions::run(*shell, console),
     }
 }
