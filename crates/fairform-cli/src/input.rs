@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::Path;
 
-use fairform_io::{Format, MeshData, WriteOptions};
+use fairform_io::{Error, Format, MeshData, WriteOptions};
 
 use crate::args::{Input, Writing};
 use crate::console::Console;
@@ -77,10 +77,17 @@ pub(crate) fn write(
     console: &Console,
 ) -> Result<(), Failure> {
     let options = WriteOptions { ascii: writing.ascii, single_precision: writing.single };
-    for note in fairform_io::write(path, writing.to, data, &options)? {
-        console.note(format!("note: {}: {note}", output_name(path)));
+    let name = output_name(path);
+    match fairform_io::write(path, writing.to, data, &options) {
+        Ok(notes) => {
+            for note in notes {
+                console.note(format!("note: {name}: {note}"));
+            }
+            Ok(())
+        }
+        Err(Error::Unwritable(why)) => Err(Failure::new(format!("cannot write {name}: {why}"))),
+        Err(error) => Err(error.into()),
     }
-    Ok(())
 }
 
 /// Fails early, before any work, where a mesh cannot be written.

@@ -65,7 +65,7 @@ impl Surface {
     }
 
     pub(crate) fn warn_of_no_faces(&self, source: &Source, console: &Console) {
-        if self.mesh.topology().face_count() == 0 {
+        if self.mesh.topology().face_count() == 0 && !self.mesh.positions().is_empty() {
             console.note(format!("warning: {source}: no faces, so there is no surface"));
         }
     }
