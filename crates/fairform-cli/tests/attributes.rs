@@ -1,5 +1,7 @@
 //! What travels along: colours, normals, texture coordinates, groups and materials.
 
+#![expect(clippy::format_collect, clippy::format_push_string, reason = "short texts")]
+
 mod common;
 
 use common::{Folder, data, obj};
