@@ -259,7 +259,7 @@ mod unix {
         folder.write("out.obj", "old");
         folder.write("control.obj", "old");
         let mut child = start();
-        while !folder.names().iter().any(|name| name.ends_with(".tmp")) {
+        while !folder.names().iter().any(|name| name.starts_with(".fairform-")) {
             assert!(child.try_wait().unwrap().is_none(), "it ended before it wrote");
         }
         interrupt(&mut child);
