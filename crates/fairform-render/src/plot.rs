@@ -10,7 +10,8 @@ pub struct Series {
     /// Places that the curve goes through, in order. Where one is not finite, or not positive on a
     /// logarithmic axis, the curve is interrupted.
     pub points: Vec<(f64, f64)>,
-    /// Whether it is drawn with dashes, say because it is a reference.
+    /// Whether it is drawn with dashes, in the colour of the last one that is not: a mean beside a
+    /// largest value, say.
     pub dashed: bool,
 }
 
@@ -59,19 +60,30 @@ pub fn plot_svg(
     let curves: Vec<Vec<Option<(f64, f64)>>> =
         curves.into_iter().map(|c| c.into_iter().map(|p| p.map(place)).collect()).collect();
 
+    let colours = colours(series);
     let mut svg = Svg(String::new());
     svg.open(title);
     svg.axes(&x_axis, &y_axis);
     svg.labels(title, x_label, y_label);
     for (i, (curve, series)) in curves.iter().zip(series).enumerate() {
-        svg.curve(curve, COLOURS[i % COLOURS.len()], series.dashed);
+        svg.curve(curve, colours[i], series.dashed);
     }
     if curves.iter().flatten().flatten().next().is_none() {
         svg.text(0.5 * (LEFT + RIGHT), 0.5 * (TOP + BOTTOM), "middle", "no data");
     }
-    svg.legend(series, &curves);
+    svg.legend(series, &curves, &colours);
     svg.0.push_str("</svg>\n");
     svg.0
+}
+
+/// A colour for each curve; dashed ones share that of the solid one before.
+fn colours(series: &[Series]) -> Vec<&'static str> {
+    let mut solid = 0;
+    let number = |s: &Series| {
+        solid += usize::from(!s.dashed);
+        COLOURS[solid.saturating_sub(1) % COLOURS.len()]
+    };
+    series.iter().map(number).collect()
 }
 
 /// The point as the axes count it, if they can show it.
@@ -219,8 +231,18 @@ impl Label {
         let digits = minus(&self.digits);
         let Some(exponent) = self.exponent else { return digits };
         let times = if digits.is_empty() { "" } else { "×" };
-        let raised = minus(&exponent.to_string());
-        format!("{digits}{times}10<tspan dy=\"-6\" font-size=\"11\">{raised}</tspan>")
+        let raised: String = exponent.to_string().chars().map(raised).collect();
+        format!("{digits}{times}10{raised}")
+    }
+}
+
+/// A sign or digit as a superscript of its own: raised runs of text are placed differently by
+/// different readers of SVG.
+fn raised(c: char) -> char {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    match c.to_digit(10) {
+        Some(digit) => DIGITS[digit as usize],
+        None => '⁻',
     }
 }
 
@@ -336,7 +358,7 @@ impl Svg {
     }
 
     /// In the corner where the fewest points of the curves are.
-    fn legend(&mut self, series: &[Series], curves: &[Vec<Option<(f64, f64)>>]) {
+    fn legend(&mut self, series: &[Series], curves: &[Vec<Option<(f64, f64)>>], colours: &[&str]) {
         const LINE: f64 = 23.0;
         const MOST: usize = 14;
         let named: Vec<usize> = (0..series.len()).filter(|&i| !series[i].name.is_empty()).collect();
@@ -376,7 +398,7 @@ impl Svg {
         ));
         for (line, &i) in named.iter().take(MOST).enumerate() {
             let y = y + LINE * (line as f64 + 0.5) + 5.0;
-            let (from, to, colour) = (x + 10.0, x + 40.0, COLOURS[i % COLOURS.len()]);
+            let (from, to, colour) = (x + 10.0, x + 40.0, colours[i]);
             self.add(format_args!(
                 "<path d=\"M{from:.2} {y:.2}H{to:.2}\" stroke=\"{colour}\" stroke-width=\"2.2\" \
                  stroke-linecap=\"round\"{}/>",

@@ -40,8 +40,7 @@ fn curves_names_and_labels_are_there() {
 /// A straight line on the logarithmic axis is straight in the picture.
 #[test]
 fn the_logarithmic_axis_is_logarithmic() {
-    let points: Vec<_> =
-        (0..=4).map(|k| (f64::from(k), [1.0, 1e-2, 1e-4, 1e-6, 1e-8][k as usize])).collect();
+    let points = [(0.0, 1.0), (1.0, 1e-2), (2.0, 1e-4), (3.0, 1e-6), (4.0, 1e-8)];
     let svg = plot_svg(&[series("", &points)], "", "", "", true);
     let document = Document::parse(&svg).unwrap();
     let dots: Vec<f64> = document
@@ -59,12 +58,12 @@ fn the_logarithmic_axis_is_logarithmic() {
 fn ticks_are_at_powers_of_ten() {
     let svg = plot_svg(&[series("e", &[(0.0, 0.7), (10.0, 3e-6)])], "", "", "", true);
     let texts = texts(&svg);
-    for decade in ["100", "10−1", "10−2", "10−3", "10−4", "10−5", "10−6"] {
+    for decade in ["10⁰", "10⁻¹", "10⁻²", "10⁻³", "10⁻⁴", "10⁻⁵", "10⁻⁶"] {
         assert!(texts.iter().any(|t| t == decade), "{decade} in {texts:?}");
     }
     // Over many decades not all are named, but the named ones are whole.
     let svg = plot_svg(&[series("e", &[(0.0, 1.0), (10.0, 1e-300)])], "", "", "", true);
-    let named = self::texts(&svg).iter().filter(|t| t.starts_with("10−")).count();
+    let named = self::texts(&svg).iter().filter(|t| t.starts_with("10⁻")).count();
     assert!((3..=13).contains(&named), "{named}");
 }
 
