@@ -143,10 +143,25 @@ fn pending() -> std::sync::MutexGuard<'static, Vec<PathBuf>> {
 struct Pending(PathBuf);
 
 impl Pending {
-    fn new(path: &Path) -> Self {
-        pending().push(path.into());
-        Self(path.into())
+    /// Creates a temporary file and lists it, with no moment between in which a signal could find
+    /// it unlisted.
+    fn create(
+        builder: &tempfile::Builder<'_, '_>,
+        folder: &Path,
+    ) -> io::Result<(File, tempfile::TempPath, Self)> {
+        let mut list = pending();
+        let (file, path) = builder.tempfile_in(folder).map_err(|e| without_path(&e))?.into_parts();
+        list.push(path.to_path_buf());
+        let entry = Self(path.to_path_buf());
+        Ok((file, path, entry))
     }
+}
+
+/// What the system said, without the name of the temporary file, which tells nobody anything.
+fn without_path(error: &io::Error) -> io::Error {
+    let source = error.get_ref().and_then(std::error::Error::source);
+    let code = source.and_then(|e| e.downcast_ref::<io::Error>()).and_then(io::Error::raw_os_error);
+    code.or(error.raw_os_error()).map_or(error.kind().into(), io::Error::from_raw_os_error)
 }
 
 impl Drop for Pending {
@@ -220,8 +235,7 @@ fn save_file(path: &Path, f: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -
     // Less the user's mask, as for any new file.
     #[cfg(unix)]
     builder.permissions(permissions);
-    let (file, temporary) = builder.tempfile_in(folder)?.into_parts();
-    let entry = Pending::new(&temporary);
+    let (file, temporary, entry) = Pending::create(&builder, folder)?;
     let file = write_buffered(file, f)?;
     if let Some(metadata) = existing {
         file.set_permissions(metadata.permissions())?;
