@@ -157,11 +157,11 @@ impl Pending {
     }
 }
 
-/// What the system said, without the name of the temporary file, which tells nobody anything.
+/// What the system said, without the name of the temporary file, which tells nobody anything and
+/// which `tempfile` puts behind it.
 fn without_path(error: &io::Error) -> io::Error {
-    let source = error.get_ref().and_then(std::error::Error::source);
-    let code = source.and_then(|e| e.downcast_ref::<io::Error>()).and_then(io::Error::raw_os_error);
-    code.or(error.raw_os_error()).map_or(error.kind().into(), io::Error::from_raw_os_error)
+    let text = error.to_string();
+    io::Error::new(error.kind(), text.split(" at path ").next().unwrap_or_default())
 }
 
 impl Drop for Pending {
@@ -173,10 +173,18 @@ impl Drop for Pending {
 /// Deletes the temporary files that [`save`] has open just now, so that a program about to end
 /// leaves none behind. Those calls of `save` then fail. For a thread that waits for signals.
 pub fn discard_pending() {
-    for path in pending().drain(..) {
+    discard_pending_then(|| ());
+}
+
+/// As [`discard_pending`], and then calls `end` while no other temporary file can be created: the
+/// way to exit.
+pub fn discard_pending_then<T>(end: impl FnOnce() -> T) -> T {
+    let mut list = pending();
+    for path in list.drain(..) {
         // Nothing can be done about a file that does not go.
         let _ = fs::remove_file(path);
     }
+    end()
 }
 
 /// Writes a file whole or not at all: into a temporary file beside it, then renamed over it.
