@@ -31,11 +31,8 @@ fn main() -> ExitCode {
 fn run(args: &Args, console: &Console) -> Result<ExitCode, Failure> {
     // What is being written lies in a temporary file until it is whole; that goes, and nothing else
     // is to be put in order.
-    ctrlc::set_handler(|| {
-        fairform_io::discard_pending();
-        std::process::exit(130);
-    })
-    .map_err(|e| Failure::new(format!("cannot watch for Ctrl-C: {e}")))?;
+    ctrlc::set_handler(|| fairform_io::discard_pending_then(|| std::process::exit(130)))
+        .map_err(|e| Failure::new(format!("cannot watch for Ctrl-C: {e}")))?;
     if let Some(threads) = args.threads {
         rayon::ThreadPoolBuilder::new()
             .num_threads(threads.get())

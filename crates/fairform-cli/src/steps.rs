@@ -3,7 +3,7 @@
 use std::fmt;
 
 use fairform::repair::{BadDistance, Soup};
-use fairform::{Defect, Error, Faces, Mesh, Topology, Vec3};
+use fairform::{Defect, Error, Faces, Mesh, Topology, Vec3, VertexId};
 
 /// Which steps to make. Shown as the options that ask for them.
 #[expect(clippy::struct_excessive_bools, reason = "one switch per step")]
@@ -159,10 +159,10 @@ pub(crate) fn remedy(positions: &[Vec3], faces: &Faces) -> Option<Steps> {
 
 /// The steps that close gaps between vertices at the same place, if there are such gaps.
 pub(crate) fn joining(mesh: &Mesh) -> Option<Steps> {
-    let topology = mesh.topology();
-    if topology.is_closed() || coincident(mesh.positions()) == 0 {
+    if !has_gaps(mesh) {
         return None;
     }
+    let topology = mesh.topology();
     let weld = Steps { weld: Some(0.0), ..Steps::default() };
     let welded = search(mesh.positions(), &topology.to_faces(), weld)?;
     (welded.boundary_edges < boundary_edges(topology)).then_some(welded.steps)
@@ -200,13 +200,31 @@ fn boundary_edges(topology: &Topology) -> usize {
     2 * topology.edge_count() - topology.halfedge_count()
 }
 
+/// Whether some edge of the boundary lies exactly on another.
+fn has_gaps(mesh: &Mesh) -> bool {
+    let topology = mesh.topology();
+    let place = |v: VertexId| place(&mesh.positions()[v.index()]);
+    let open = topology.halfedges().filter(|&h| topology.twin(h).is_none());
+    let mut edges: Vec<_> = open
+        .map(|h| {
+            let (a, b) = (place(topology.origin(h)), place(topology.target(h)));
+            if a < b { [a, b] } else { [b, a] }
+        })
+        .collect();
+    edges.sort_unstable();
+    edges.windows(2).any(|w| w[0] == w[1])
+}
+
 /// Number of vertices at exactly the position of an earlier one.
 pub(crate) fn coincident(positions: &[Vec3]) -> usize {
-    // Zero is zero, whatever its sign; NaN is never equal, but sorts somewhere.
-    let key = |p: &Vec3| [p.x + 0.0, p.y + 0.0, p.z + 0.0].map(f64::to_bits);
-    let mut keys: Vec<_> = positions.iter().filter(|p| p.is_finite()).map(key).collect();
-    keys.sort_unstable();
-    keys.windows(2).filter(|w| w[0] == w[1]).count()
+    let mut places: Vec<_> = positions.iter().filter(|p| p.is_finite()).map(place).collect();
+    places.sort_unstable();
+    places.windows(2).filter(|w| w[0] == w[1]).count()
+}
+
+/// A position that can be compared and sorted. Zero is zero, whatever its sign.
+fn place(p: &Vec3) -> [u64; 3] {
+    [p.x + 0.0, p.y + 0.0, p.z + 0.0].map(f64::to_bits)
 }
 
 #[cfg(test)]
