@@ -204,8 +204,6 @@ fn help_and_completions() {
 #[cfg(unix)]
 mod unix {
     use std::process::{Child, Command};
-    use std::thread;
-    use std::time::Duration;
 
     use super::*;
 
@@ -247,18 +245,19 @@ mod unix {
         let folder = icosahedron();
         folder.ok("refine in.off -o big.ply --levels 6");
         let arguments = "fit big.ply -o out.obj --control control.obj --levels 3 --quiet";
-        let start = || folder.command(arguments).spawn().unwrap();
 
-        // While it reads or solves.
-        let mut child = start();
-        thread::sleep(Duration::from_millis(30));
+        // While it reads: it has begun to, once a pipe has taken more than it holds.
+        let mut command = folder.command("fit - --from ply -o out.obj");
+        let mut child = command.stdin(Stdio::piped()).spawn().unwrap();
+        let mut pipe = child.stdin.take().unwrap();
+        pipe.write_all(&folder.bytes("big.ply")[..1 << 20]).unwrap();
         interrupt(&mut child);
         assert_eq!(folder.names(), ["big.ply", "in.off"]);
 
         // While it writes, first the control mesh, then the surface.
         folder.write("out.obj", "old");
         folder.write("control.obj", "old");
-        let mut child = start();
+        let mut child = folder.command(arguments).spawn().unwrap();
         while !folder.names().iter().any(|name| name.starts_with(".fairform-")) {
             assert!(child.try_wait().unwrap().is_none(), "it ended before it wrote");
         }

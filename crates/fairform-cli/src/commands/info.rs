@@ -231,7 +231,8 @@ impl Facts {
             }
         }
         if let Some(steps) = &self.remedy {
-            row("to fit it", source.repair(steps));
+            let ready = self.connectivity.as_ref().is_ok_and(|c| c.triangles);
+            row(if ready { "to join" } else { "to fit it" }, source.repair(steps));
         }
         text
     }
