@@ -9,32 +9,36 @@ use fairform::{Corners, Scheme};
 use fairform_io::Format;
 use fairform_render::View;
 
+/// The heading of the options that every command has.
+const GENERAL: &str = "General options";
+
 /// Smooth subdivision surfaces through exactly the points you give.
 ///
 /// Meshes are OBJ, OFF, PLY, STL, glTF or GLB, each also gzip-compressed, told apart by the file
 /// name; `-` is standard input or output. Vertex i of the input stays vertex i of the output.
 #[derive(Parser, Debug)]
 #[command(name = "fairform", version, propagate_version = true, max_term_width = 100)]
-#[command(after_help = "Exit codes: 0 done; 1 bad input, or not converged; 2 wrong usage; \
-    130 interrupted.\n\nExamples:\n  \
+#[command(
+    after_help = "Exit codes: 0 done, 1 bad input or not converged, 2 wrong usage, 130 interrupted.\n\nExamples:\n  \
     fairform fit                               a sample: surface and picture\n  \
     fairform fit bunny.obj -o surface.ply      a surface through every vertex\n  \
-    fairform info bunny.obj                    what is in a file, and what is wrong with it\n  \
-    fairform render surface.ply -o surface.png")]
+    fairform info bunny.obj                    what is in a file, and wrong with it\n  \
+    fairform render surface.ply -o surface.png"
+)]
 pub(crate) struct Args {
     #[command(subcommand)]
     pub(crate) command: Command,
     /// Say nothing but errors.
-    #[arg(short, long, global = true)]
+    #[arg(short, long, global = true, help_heading = GENERAL)]
     pub(crate) quiet: bool,
     /// Say more.
-    #[arg(short, long, global = true)]
+    #[arg(short, long, global = true, help_heading = GENERAL)]
     pub(crate) verbose: bool,
     /// Print the result as JSON on standard output.
-    #[arg(long, global = true)]
+    #[arg(long, global = true, help_heading = GENERAL)]
     pub(crate) json: bool,
     /// Number of threads; the result is the same for any. Default: one per core.
-    #[arg(long, global = true, value_name = "N")]
+    #[arg(long, global = true, help_heading = GENERAL, value_name = "N", value_parser = threads)]
     pub(crate) threads: Option<NonZeroUsize>,
 }
 
@@ -48,8 +52,9 @@ pub(crate) enum Command {
     Repair(Repair),
     Render(Render),
     /// Print a completion script for a shell.
-    ///
-    /// For bash: fairform completions bash > ~/.local/share/bash-completion/completions/fairform
+    #[command(after_help = "Examples:\n  \
+        fairform completions bash > ~/.bash_completion.d/fairform\n  \
+        fairform completions fish > ~/.config/fish/completions/fairform.fish")]
     Completions {
         /// The shell.
         shell: clap_complete::Shell,
@@ -57,15 +62,14 @@ pub(crate) enum Command {
 }
 
 /// Find the surface that passes through every vertex of a mesh.
-///
-/// Finds the control mesh whose limit surface interpolates, refines it, and writes the result.
-/// Without IN, a sample is fitted, and a picture of mesh and surface is drawn too.
 #[derive(clap::Args, Debug)]
-#[command(after_help = "Examples:\n  \
+#[command(after_help = "Finds the control mesh whose limit surface interpolates, refines it, and \
+    writes the result. Without IN, a sample is fitted, and a picture of mesh and surface is drawn \
+    too.\n\nExamples:\n  \
     fairform fit\n  \
     fairform fit bunny.obj -o surface.ply --limit\n  \
-    fairform fit scan.ply -o surface.glb --tolerance 1e-9 --report report.json --plot error.svg\n  \
-    fairform fit cage.obj -o control.obj --levels 0 --method plain --iterations 10\n  \
+    fairform fit scan.ply -o surface.glb --tolerance 1e-9 --plot error.svg\n  \
+    fairform fit cage.obj -o control.obj --levels 0 --report report.json\n  \
     cat bunny.off | fairform fit - --from off -o - --to ply > surface.ply")]
 pub(crate) struct Fit {
     #[command(flatten)]
@@ -109,11 +113,10 @@ pub(crate) struct Fit {
 }
 
 /// Refine a mesh by a subdivision scheme.
-///
-/// Vertices and faces come in the canonical order: old vertices first, then those on edges; the
-/// children of a face one after the other. Colours, normals and texture coordinates follow.
 #[derive(clap::Args, Debug)]
-#[command(after_help = "Examples:\n  \
+#[command(after_help = "Vertices and faces come in the canonical order: old vertices first, then \
+    those on edges; the children of a face one after the other. Colours, normals and texture \
+    coordinates follow.\n\nExamples:\n  \
     fairform refine control.obj -o fine.obj --levels 2\n  \
     fairform refine control.obj -o limit.ply --levels 3 --limit")]
 pub(crate) struct Refine {
@@ -135,13 +138,13 @@ pub(crate) struct Refine {
 }
 
 /// Limit point and normal of every vertex of a control mesh.
-///
-/// Written as JSON {"points": […], "normals": […]} if OUT ends in .json, otherwise as the mesh with
-/// its vertices at their limit points.
 #[derive(clap::Args, Debug)]
-#[command(after_help = "Examples:\n  \
+#[command(
+    after_help = "Written as JSON {\"points\": […], \"normals\": […]} if OUT ends in .json, \
+    otherwise as the mesh with its vertices at their limit points.\n\nExamples:\n  \
     fairform limit control.obj -o limit.json\n  \
-    fairform limit control.obj -o limit.obj")]
+    fairform limit control.obj -o limit.obj"
+)]
 pub(crate) struct Limit {
     #[command(flatten)]
     pub(crate) input: Input,
@@ -163,13 +166,13 @@ pub(crate) struct Info {
 }
 
 /// Write a mesh in another format.
-///
-/// Polygons, colours, normals, texture coordinates, groups and materials are kept where the format
-/// has them; what it has not is said.
 #[derive(clap::Args, Debug)]
-#[command(after_help = "Examples:\n  \
+#[command(
+    after_help = "Polygons, colours, normals, texture coordinates, groups and materials are \
+    kept where the format has them; what it has not is said.\n\nExamples:\n  \
     fairform convert part.stl -o part.obj\n  \
-    fairform convert bunny.obj -o bunny.ply.gz")]
+    fairform convert bunny.obj -o bunny.ply.gz"
+)]
 pub(crate) struct Convert {
     #[command(flatten)]
     pub(crate) input: Input,
@@ -181,11 +184,10 @@ pub(crate) struct Convert {
 }
 
 /// Mend a mesh, step by step as asked for, and say what was done.
-///
-/// The steps are made in the order in which they stand here, whatever their order on the command
-/// line.
+#[expect(clippy::struct_excessive_bools, reason = "one switch per option")]
 #[derive(clap::Args, Debug)]
-#[command(after_help = "Examples:\n  \
+#[command(after_help = "The steps are made in the order in which they stand here, whatever their \
+    order on the command line. `fairform info` tells which would help.\n\nExamples:\n  \
     fairform repair scan.ply -o clean.ply --weld 0 --orient --split\n  \
     fairform repair quads.obj -o triangles.obj --triangulate\n  \
     fairform repair broken.off -o sound.off --all")]
@@ -209,9 +211,6 @@ pub(crate) struct Repair {
     /// Turn faces so that neighbours agree.
     #[arg(long)]
     pub(crate) orient: bool,
-    /// Turn closed surfaces that are inside out.
-    #[arg(long)]
-    pub(crate) outward: bool,
     /// Give each fan of faces its own vertex where several meet in one, and part edges with more than
     /// two faces.
     #[arg(long)]
@@ -219,6 +218,9 @@ pub(crate) struct Repair {
     /// Close boundary loops of at most so many edges with triangles.
     #[arg(long, value_name = "EDGES")]
     pub(crate) fill_holes: Option<usize>,
+    /// Turn closed surfaces that are inside out.
+    #[arg(long)]
+    pub(crate) outward: bool,
     /// Cut polygons into triangles.
     #[arg(long)]
     pub(crate) triangulate: bool,
@@ -235,7 +237,7 @@ pub(crate) struct Repair {
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  \
     fairform render surface.ply -o surface.png\n  \
-    fairform render bunny.obj surface.ply -o both.png --size 1600x800 --wireframe --view front\n  \
+    fairform render bunny.obj surface.ply -o both.png --size 1600x800 --view front\n  \
     fairform render part.stl -o part.png --view 120,15,z --flat\n  \
     fairform render cage.obj surface.ply -o pair.png --flat=1 --wireframe=1")]
 pub(crate) struct Render {
@@ -361,6 +363,11 @@ impl Rules {
 pub(crate) enum CornerChoice {
     Smooth,
     Sharp,
+}
+
+fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    let number = text.parse().ok().filter(|n: &NonZeroUsize| n.get() <= 1024);
+    number.ok_or_else(|| "expected a number from 1 to 1024".into())
 }
 
 fn positive(text: &str) -> Result<f64, String> {

@@ -1,5 +1,6 @@
 //! What a person sees: notes and progress on standard error, results on standard output.
 
+use std::cell::RefCell;
 use std::io::{self, Write};
 use std::time::Duration;
 
@@ -14,11 +15,13 @@ pub(crate) struct Console {
     quiet: bool,
     verbose: bool,
     json: bool,
+    /// The line of progress, over which nothing else is to be written.
+    bar: RefCell<ProgressBar>,
 }
 
 impl Console {
     pub(crate) fn new(quiet: bool, verbose: bool, json: bool) -> Self {
-        Self { quiet, verbose, json }
+        Self { quiet, verbose, json, bar: RefCell::new(ProgressBar::hidden()) }
     }
 
     /// Whether results are for machines.
@@ -29,14 +32,14 @@ impl Console {
     /// Something that the user should know.
     pub(crate) fn note(&self, text: impl AsRef<str>) {
         if !self.quiet {
-            eprintln!("{}", text.as_ref());
+            self.bar.borrow().suspend(|| eprintln!("{}", text.as_ref()));
         }
     }
 
     /// Something that the user may want to know.
     pub(crate) fn detail(&self, text: impl AsRef<str>) {
-        if self.verbose && !self.quiet {
-            eprintln!("{}", text.as_ref());
+        if self.verbose {
+            self.note(text);
         }
     }
 
@@ -46,6 +49,7 @@ impl Console {
     }
 
     /// Text on standard output. A reader who has seen enough is no failure.
+    #[expect(clippy::unused_self, reason = "only who holds the console prints")]
     pub(crate) fn print(&self, text: &str) -> Result<(), Failure> {
         match io::stdout().lock().write_all(text.as_bytes()).and_then(|()| io::stdout().flush()) {
             Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
@@ -73,6 +77,7 @@ impl Console {
             bar.set_style(style);
         }
         bar.enable_steady_tick(Duration::from_millis(100));
+        self.bar.replace(bar.clone());
         Progress(bar)
     }
 }

@@ -3,18 +3,28 @@
 use std::error::Error as _;
 use std::fmt::Write as _;
 
-use fairform::{Defect, Error};
+use fairform::{Error, Faces, Vec3};
+
+use crate::input::Source;
+use crate::steps;
 
 /// An error for a person: what went wrong and, where there is one, the way out.
 #[derive(Debug)]
 pub(crate) struct Failure {
     pub(crate) message: String,
     pub(crate) help: Option<String>,
+    /// 1, or 2 if the command line asks for what cannot be.
+    pub(crate) code: u8,
 }
 
 impl Failure {
     pub(crate) fn new(message: impl Into<String>) -> Self {
-        Self { message: message.into(), help: None }
+        Self { message: message.into(), help: None, code: 1 }
+    }
+
+    /// The command line is wrong.
+    pub(crate) fn usage(message: impl Into<String>) -> Self {
+        Self { code: 2, ..Self::new(message) }
     }
 
     pub(crate) fn help(mut self, help: impl Into<String>) -> Self {
@@ -45,40 +55,20 @@ impl From<fairform_render::RenderError> for Failure {
     }
 }
 
-/// A kernel error about the mesh of a file.
-pub(crate) fn in_file(name: &str, error: &Error) -> Failure {
-    let failure = Failure::new(format!("{name}: {error}"));
-    let repair = |flags: &str| {
-        failure_help(name, flags, "numbers in this message count from 0 in the order of the file")
-    };
-    match error {
-        Error::NotManifold(defects) => {
-            let mut flags: Vec<&str> = defects.0.iter().flat_map(remedies).copied().collect();
-            flags.sort_by_key(|flag| ORDER.iter().position(|o| o == flag));
-            flags.dedup();
-            failure.help(repair(&flags.join(" ")))
-        }
-        Error::NotTriangles { .. } => failure.help(repair("--triangulate")),
-        _ => failure,
+/// A kernel error about the mesh of a file, with the repair that helps.
+pub(crate) fn in_mesh(
+    source: &Source,
+    error: &Error,
+    positions: &[Vec3],
+    faces: &Faces,
+) -> Failure {
+    let failure = Failure::new(format!("{source}: {error}"));
+    if !matches!(error, Error::NotManifold(_) | Error::NotTriangles { .. }) {
+        return failure;
     }
-}
-
-const ORDER: [&str; 5] =
-    ["--drop-degenerate", "--drop-duplicates", "--orient", "--split", "--drop-isolated"];
-
-fn remedies(defect: &Defect) -> &'static [&'static str] {
-    match defect {
-        Defect::NotFinite { .. } => &["--drop-degenerate", "--drop-isolated"],
-        Defect::NoSuchVertex { .. }
-        | Defect::TooFewCorners { .. }
-        | Defect::RepeatedCorner { .. } => &["--drop-degenerate"],
-        Defect::InconsistentOrientation { .. } => &["--drop-duplicates", "--orient"],
-        Defect::NonManifoldEdge { .. } => &["--drop-duplicates", "--orient", "--split"],
-        _ => &["--split"],
+    let failure = Failure { message: format!("{} [counted from 0]", failure.message), ..failure };
+    match steps::remedy(positions, faces) {
+        Some(steps) => failure.help(source.repair(&steps)),
+        None => failure,
     }
-}
-
-fn failure_help(name: &str, flags: &str, note: &str) -> String {
-    let file = if name == "standard input" { "-" } else { name };
-    format!("fairform repair {file} -o repaired.obj {flags}\n      ({note})")
 }

@@ -1,38 +1,71 @@
 //! Reading and writing, with names and notes for people.
 
+use std::fmt;
 use std::path::Path;
 
-use fairform_io::{Format, MeshData, WriteOptions};
+use fairform_io::{Error, Format, MeshData, WriteOptions};
 
 use crate::args::{Input, Writing};
 use crate::console::Console;
 use crate::failure::Failure;
+use crate::steps::Steps;
 
-/// A file name as a user knows it.
-pub(crate) fn name(path: &Path) -> String {
-    if is_dash(path) { "standard input".into() } else { path.display().to_string() }
+/// Where a mesh comes from. Shown as a user knows it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Source<'a> {
+    pub(crate) path: &'a Path,
+    /// If the name does not say it.
+    pub(crate) format: Option<Format>,
+}
+
+impl fmt::Display for Source<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if is_dash(self.path) { f.write_str("standard input") } else { self.path.display().fmt(f) }
+    }
+}
+
+impl<'a> From<&'a Input> for Source<'a> {
+    fn from(input: &'a Input) -> Self {
+        Self { path: &input.input, format: input.from }
+    }
+}
+
+impl Source<'_> {
+    /// The command that repairs this mesh, to be copied into a shell.
+    pub(crate) fn repair(&self, steps: &Steps) -> String {
+        let from = self.format.map_or(String::new(), |format| format!(" --from {format}"));
+        let path = quoted(&self.path.to_string_lossy());
+        format!("fairform repair {path}{from} -o repaired.obj {steps}")
+    }
+}
+
+/// A file name as a shell reads it.
+fn quoted(name: &str) -> String {
+    // A name like an option needs a folder before it.
+    let name = if name.starts_with('-') && name != "-" { format!("./{name}") } else { name.into() };
+    let plain = |c: char| c.is_alphanumeric() || "/\\._-+,:@%=~".contains(c);
+    if name.chars().all(plain) && !name.starts_with('~') && (cfg!(windows) || !name.contains('\\'))
+    {
+        name
+    } else if cfg!(windows) {
+        format!("\"{name}\"")
+    } else {
+        format!("'{}'", name.replace('\'', r"'\''"))
+    }
 }
 
 pub(crate) fn is_dash(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-pub(crate) fn read(input: &Input, console: &Console) -> Result<MeshData, Failure> {
-    read_file(&input.input, input.from, console)
-}
-
-pub(crate) fn read_file(
-    path: &Path,
-    format: Option<Format>,
-    console: &Console,
-) -> Result<MeshData, Failure> {
-    if is_dash(path) && format.is_none() {
-        return Err(Failure::new("standard input has no name that tells its format")
+pub(crate) fn read(source: &Source, console: &Console) -> Result<MeshData, Failure> {
+    if is_dash(source.path) && source.format.is_none() {
+        return Err(Failure::usage("standard input has no name that tells its format")
             .help("say it with --from obj, off, ply, stl, gltf or glb"));
     }
-    let data = fairform_io::read(path, format)?;
+    let data = fairform_io::read(source.path, source.format)?;
     for note in &data.notes {
-        console.note(format!("note: {}: {note}", name(path)));
+        console.note(format!("note: {source}: {note}"));
     }
     Ok(data)
 }
@@ -43,29 +76,76 @@ pub(crate) fn write(
     data: &MeshData,
     console: &Console,
 ) -> Result<(), Failure> {
-    check_output(path, writing)?;
     let options = WriteOptions { ascii: writing.ascii, single_precision: writing.single };
-    for note in fairform_io::write(path, writing.to, data, &options)? {
-        console.note(format!("note: {note}"));
+    let name = output_name(path);
+    match fairform_io::write(path, writing.to, data, &options) {
+        Ok(notes) => {
+            for note in notes {
+                console.note(format!("note: {name}: {note}"));
+            }
+            Ok(())
+        }
+        Err(Error::Unwritable(why)) => Err(Failure::new(format!("cannot write {name}: {why}"))),
+        Err(error) => Err(error.into()),
     }
-    Ok(())
 }
 
-/// Fails early, before any work, where the output has no format.
-pub(crate) fn check_output(path: &Path, writing: &Writing) -> Result<(), Failure> {
+/// Fails early, before any work, where a mesh cannot be written.
+pub(crate) fn check_mesh(path: &Path, writing: &Writing) -> Result<(), Failure> {
     if writing.to.is_some() || Format::from_path(path).is_some() {
         return Ok(());
     }
     let what = if is_dash(path) {
-        "standard output has".into()
+        "standard output has no name that tells its format".into()
     } else {
-        format!("{}: has", path.display())
+        format!("{}: the name tells no format", path.display())
     };
-    Err(Failure::new(format!("{what} no name that tells its format"))
-        .help("say it with --to obj, off, ply, stl, gltf or glb"))
+    Err(Failure::usage(what).help("say it with --to obj, off, ply, stl, gltf or glb"))
+}
+
+/// Fails early where outputs cannot be written, or are in each other's way.
+pub(crate) fn check_outputs(outputs: &[&Path], console: &Console) -> Result<(), Failure> {
+    for (i, path) in outputs.iter().enumerate() {
+        let name = output_name(path);
+        if outputs[..i].contains(path) {
+            return Err(Failure::usage(format!("two outputs go to {name}")));
+        }
+        if is_dash(path) && console.json() {
+            return Err(Failure::usage("--json and `-o -` both want standard output"));
+        }
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+            let folder = folder.display();
+            return Err(Failure::new(format!("cannot write {name}: there is no folder {folder}")));
+        }
+    }
+    Ok(())
+}
+
+fn output_name(path: &Path) -> String {
+    if is_dash(path) { "standard output".into() } else { path.display().to_string() }
 }
 
 /// Writes text or bytes whole or not at all.
 pub(crate) fn save(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     Ok(fairform_io::save(path, &mut |out| out.write_all(bytes))?)
+}
+
+#[cfg(test)]
+mod tests {
+    #[cfg(not(windows))]
+    #[test]
+    fn names_are_quoted_for_the_shell() {
+        for (name, expected) in [
+            ("a/b.obj", "a/b.obj"),
+            ("größe.obj", "größe.obj"),
+            ("-", "-"),
+            ("-x.obj", "./-x.obj"),
+            ("a b.obj", "'a b.obj'"),
+            ("it's.obj", r"'it'\''s.obj'"),
+            ("$HOME.obj", "'$HOME.obj'"),
+        ] {
+            assert_eq!(super::quoted(name), expected);
+        }
+    }
 }

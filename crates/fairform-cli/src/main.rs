@@ -5,6 +5,7 @@ mod commands;
 mod console;
 mod failure;
 mod input;
+mod steps;
 mod surface;
 
 use std::process::ExitCode;
@@ -22,7 +23,7 @@ fn main() -> ExitCode {
         Ok(code) => code,
         Err(failure) => {
             console.fail(&failure);
-            ExitCode::from(1)
+            ExitCode::from(failure.code)
         }
     }
 }
@@ -30,11 +31,8 @@ fn main() -> ExitCode {
 fn run(args: &Args, console: &Console) -> Result<ExitCode, Failure> {
     // What is being written lies in a temporary file until it is whole; that goes, and nothing else
     // is to be put in order.
-    ctrlc::set_handler(|| {
-        fairform_io::discard_pending();
-        std::process::exit(130);
-    })
-    .map_err(|e| Failure::new(format!("cannot watch for Ctrl-C: {e}")))?;
+    ctrlc::set_handler(|| fairform_io::discard_pending_then(|| std::process::exit(130)))
+        .map_err(|e| Failure::new(format!("cannot watch for Ctrl-C: {e}")))?;
     if let Some(threads) = args.threads {
         rayon::ThreadPoolBuilder::new()
             .num_threads(threads.get())
@@ -49,6 +47,6 @@ fn run(args: &Args, console: &Console) -> Result<ExitCode, Failure> {
         Command::Convert(args) => commands::convert::run(args, console),
         Command::Repair(args) => commands::repair::run(args, console),
         Command::Render(args) => commands::render::run(args, console),
-        Command::Completions { shell } => Ok(commands::completions::run(*shell)),
+        Command::Completions { shell } => commands::completions::run(*shell, console),
     }
 }

@@ -8,8 +8,9 @@ use fairform::refine::{self, Refined};
 use fairform::{Corners, Mesh, Scheme, Vec3, limit};
 use fairform_io::{Labels, MeshData};
 
-use crate::console::{Progress, count};
-use crate::failure::{Failure, in_file};
+use crate::console::{Console, Progress, count};
+use crate::failure::{Failure, in_mesh};
+use crate::input::Source;
 
 /// A mesh, values per vertex, and labels of its faces.
 #[derive(Debug, Clone)]
@@ -30,8 +31,9 @@ pub(crate) struct Surface {
 
 impl Surface {
     /// Checks the faces and coordinates of a file.
-    pub(crate) fn new(data: MeshData, name: &str) -> Result<Self, Failure> {
-        let mesh = Mesh::new(data.positions, &data.faces).map_err(|e| in_file(name, &e))?;
+    pub(crate) fn new(data: MeshData, source: &Source) -> Result<Self, Failure> {
+        let mesh = Mesh::new(data.positions.clone(), &data.faces)
+            .map_err(|e| in_mesh(source, &e, &data.positions, &data.faces))?;
         let uv = |uvs: Vec<[f64; 2]>| -> Vec<Vec3> {
             uvs.into_iter().map(|[u, v]| Vec3::new(u, v, 0.0)).collect()
         };
@@ -55,6 +57,17 @@ impl Surface {
             materials: data.materials,
             material_library: data.material_library,
         })
+    }
+
+    /// A kernel error about this mesh.
+    pub(crate) fn failure(&self, source: &Source, error: &fairform::Error) -> Failure {
+        in_mesh(source, error, self.mesh.positions(), &self.mesh.topology().to_faces())
+    }
+
+    pub(crate) fn warn_of_no_faces(&self, source: &Source, console: &Console) {
+        if self.mesh.topology().face_count() == 0 && !self.mesh.positions().is_empty() {
+            console.note(format!("warning: {source}: no faces, so there is no surface"));
+        }
     }
 
     fn fields(&mut self) -> impl Iterator<Item = &mut Vec<Vec3>> {
@@ -99,7 +112,9 @@ impl Surface {
         if levels > 0
             && let Some(normals) = &mut surface.normals
         {
-            normals.iter_mut().for_each(|n| *n = n.normalized());
+            for n in normals {
+                *n = n.normalized();
+            }
         }
         Ok(surface)
     }
@@ -123,7 +138,7 @@ impl Surface {
     }
 
     /// Moves everything to the limit, with exact normals.
-    pub(crate) fn to_limit(
+    pub(crate) fn move_to_limit(
         &mut self,
         scheme: Scheme,
         corners: Corners,
@@ -178,21 +193,21 @@ impl Surface {
 
 /// Refuses what would not fit into memory, before it is begun.
 pub(crate) fn check_memory(
-    mesh: &Mesh,
+    surface: &Surface,
     scheme: Scheme,
     levels: u32,
-    name: &str,
+    source: &Source,
 ) -> Result<(), Failure> {
     let too_much = |what: String| {
-        Failure::new(format!("{name}: {levels} levels would make {what}"))
+        Failure::new(format!("{source}: {levels} levels would make {what}"))
             .help("use fewer --levels; each makes four times as many faces")
     };
-    let size = match refine::check_size(mesh.topology(), scheme, levels) {
+    let size = match refine::check_size(surface.mesh.topology(), scheme, levels) {
         Ok(size) => size,
         Err(fairform::Error::TooLarge { .. }) => {
-            return Err(too_much("more than two thousand million half-edges".into()));
+            return Err(too_much("more than 2,147,483,647 half-edges".into()));
         }
-        Err(other) => return Err(in_file(name, &other)),
+        Err(other) => return Err(surface.failure(source, &other)),
     };
     // Topology, positions, normals and the copy that is written, generously.
     let bytes = size.halfedge_count * 24 + size.vertex_count * 160;

@@ -143,10 +143,25 @@ fn pending() -> std::sync::MutexGuard<'static, Vec<PathBuf>> {
 struct Pending(PathBuf);
 
 impl Pending {
-    fn new(path: &Path) -> Self {
-        pending().push(path.into());
-        Self(path.into())
+    /// Creates a temporary file and lists it, with no moment between in which a signal could find
+    /// it unlisted.
+    fn create(
+        builder: &tempfile::Builder<'_, '_>,
+        folder: &Path,
+    ) -> io::Result<(File, tempfile::TempPath, Self)> {
+        let mut list = pending();
+        let (file, path) = builder.tempfile_in(folder).map_err(|e| without_path(&e))?.into_parts();
+        list.push(path.to_path_buf());
+        let entry = Self(path.to_path_buf());
+        Ok((file, path, entry))
     }
+}
+
+/// What the system said, without the name of the temporary file, which tells nobody anything and
+/// which `tempfile` puts behind it.
+fn without_path(error: &io::Error) -> io::Error {
+    let text = error.to_string();
+    io::Error::new(error.kind(), text.split(" at path ").next().unwrap_or_default())
 }
 
 impl Drop for Pending {
@@ -158,10 +173,18 @@ impl Drop for Pending {
 /// Deletes the temporary files that [`save`] has open just now, so that a program about to end
 /// leaves none behind. Those calls of `save` then fail. For a thread that waits for signals.
 pub fn discard_pending() {
-    for path in pending().drain(..) {
+    discard_pending_then(|| ());
+}
+
+/// As [`discard_pending`], and then calls `end` while no other temporary file can be created: the
+/// way to exit.
+pub fn discard_pending_then<T>(end: impl FnOnce() -> T) -> T {
+    let mut list = pending();
+    for path in list.drain(..) {
         // Nothing can be done about a file that does not go.
         let _ = fs::remove_file(path);
     }
+    end()
 }
 
 /// Writes a file whole or not at all: into a temporary file beside it, then renamed over it.
@@ -220,8 +243,7 @@ fn save_file(path: &Path, f: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -
     // Less the user's mask, as for any new file.
     #[cfg(unix)]
     builder.permissions(permissions);
-    let (file, temporary) = builder.tempfile_in(folder)?.into_parts();
-    let entry = Pending::new(&temporary);
+    let (file, temporary, entry) = Pending::create(&builder, folder)?;
     let file = write_buffered(file, f)?;
     if let Some(metadata) = existing {
         file.set_permissions(metadata.permissions())?;

@@ -36,7 +36,7 @@ impl Format {
     /// The format that a file name says, and whether it says `.gz` as well. Case does not matter.
     #[must_use]
     pub fn from_path(path: &Path) -> Option<(Self, bool)> {
-        let name = path.file_name()?.to_str()?.to_ascii_lowercase();
+        let name = path.file_name()?.to_string_lossy().to_ascii_lowercase();
         let (name, gzip) = match name.strip_suffix(".gz") {
             Some(stem) => (stem, true),
             None => (name.as_str(), false),

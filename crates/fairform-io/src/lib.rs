@@ -40,7 +40,7 @@ mod weld;
 pub use data::{Labels, MeshData, WriteOptions};
 pub use error::{Error, ParseError, Place};
 #[cfg(feature = "files")]
-pub use file::{discard_pending, read, save, write};
+pub use file::{discard_pending, discard_pending_then, read, save, write};
 pub use format::{Format, encode, parse};
 pub use gltf::parse_with_buffers;
 pub use gzip::limit as gzip_limit;

@@ -26,7 +26,7 @@ pub enum Defect {
         vertex_count: usize,
     },
     /// A face with fewer than three corners.
-    #[error("face {face} has {count} corners; a face needs at least 3")]
+    #[error("face {face} has {count} corner{}; a face needs at least 3", plural(*count))]
     TooFewCorners {
         /// The face.
         face: FaceId,
@@ -73,6 +73,11 @@ pub enum Defect {
     },
 }
 
+/// The ending of a noun of which there are so many.
+fn plural(count: usize) -> &'static str {
+    if count == 1 { "" } else { "s" }
+}
+
 fn list(faces: &[FaceId]) -> impl fmt::Display + '_ {
     struct List<'a>(&'a [FaceId]);
     impl fmt::Display for List<'_> {
@@ -100,7 +105,9 @@ impl fmt::Display for Defects {
         match self.0.as_slice() {
             [] => f.write_str("no defects"),
             [one] => one.fmt(f),
-            [first, rest @ ..] => write!(f, "{first} (and {} more defects)", rest.len()),
+            [first, rest @ ..] => {
+                write!(f, "{first} (and {} more defect{})", rest.len(), plural(rest.len()))
+            }
         }
     }
 }

@@ -12,11 +12,11 @@ use fairform_io::{Format, MeshData};
 use fairform_render::{Body, Colour, Dot, Line, Panel, Series, View};
 use serde_json::{Value, json};
 
-use super::info::coincident;
 use crate::args::Fit;
 use crate::console::{Console, count};
-use crate::failure::{Failure, in_file};
-use crate::input;
+use crate::failure::Failure;
+use crate::input::{self, Source};
+use crate::steps;
 use crate::surface::{Surface, check_memory};
 
 /// The sample that is fitted when there is no input.
@@ -26,29 +26,29 @@ const SAMPLE_PICTURE: &str = "fairform-sample.png";
 
 pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(SAMPLE_SURFACE));
-    let outputs = [Some(&output), args.control.as_ref()];
-    for path in outputs.into_iter().flatten() {
-        input::check_output(path, &args.writing)?;
+    let meshes = [Some(&output), args.control.as_ref()];
+    for path in meshes.into_iter().flatten() {
+        input::check_mesh(path, &args.writing)?;
     }
-    if console.json() && outputs.into_iter().flatten().any(|path| input::is_dash(path)) {
-        return Err(Failure::new("--json and `-o -` both want standard output"));
-    }
+    let outputs = meshes.into_iter().chain([args.report.as_ref(), args.plot.as_ref()]);
+    let outputs: Vec<&Path> = outputs.flatten().map(PathBuf::as_path).collect();
+    input::check_outputs(&outputs, console)?;
 
     let mut clock = Clock::start();
     let progress = console.progress();
     progress.say("reading");
-    let (data, name) = match &args.input.input {
-        Some(path) => (input::read_file(path, args.input.from, console)?, input::name(path)),
-        None => (sample()?, "the sample".into()),
-    };
-    let target = Surface::new(data, &name)?;
+    let given = args.input.input.as_deref();
+    let source = Source { path: given.unwrap_or(Path::new("the sample")), format: args.input.from };
+    let data = if given.is_some() { input::read(&source, console)? } else { sample()? };
+    let target = Surface::new(data, &source)?;
     clock.lap("read");
     let (scheme, corners) = (args.rules.scheme, args.rules.corners());
-    check_memory(&target.mesh, scheme, args.levels, &name)?;
-    warn_of_seams(&target.mesh, &name, console);
+    check_memory(&target, scheme, args.levels, &source)?;
+    target.warn_of_no_faces(&source, console);
+    warn_of_seams(&target.mesh, &source, console);
 
     progress.say("preparing");
-    let at = |e| in_file(&name, &e);
+    let at = |e| target.failure(&source, &e);
     let topology = target.mesh.topology().clone();
     let interpolator = Interpolator::new(&topology, scheme, corners).map_err(at)?;
     clock.lap("prepare");
@@ -67,7 +67,7 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
 
     let mut surface = control.refine(scheme, corners, args.levels, &progress).map_err(at)?;
     if args.limit || args.output.is_none() {
-        surface.to_limit(scheme, corners).map_err(at)?;
+        surface.move_to_limit(scheme, corners).map_err(at)?;
     } else if had_normals {
         surface.limit_normals(scheme, corners).map_err(at)?;
     }
@@ -119,16 +119,13 @@ fn options(args: &Fit) -> Options {
 }
 
 /// Vertices that were split, by texture seams say, leave gaps in the surface.
-fn warn_of_seams(mesh: &Mesh, name: &str, console: &Console) {
-    if mesh.topology().is_closed() {
-        return;
-    }
-    let seams = coincident(mesh.positions());
-    if seams > 0 {
+fn warn_of_seams(mesh: &Mesh, source: &Source, console: &Console) {
+    if let Some(steps) = steps::joining(mesh) {
         console.note(format!(
-            "warning: {name}: {} vertices lie exactly on others, so the surface may gape there; \
-             `fairform repair --weld 0` joins them",
-            count(seams)
+            "warning: {source}: {} vertices lie exactly on others, where the surface may gape; \
+             to join them:\n  {}",
+            count(steps::coincident(mesh.positions())),
+            source.repair(&steps)
         ));
     }
 }

@@ -4,23 +4,24 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::process::ExitCode;
 
-use fairform::{Bounds, Defect, Error, Mesh, Topology, Vec3};
+use fairform::repair::Soup;
+use fairform::{Bounds, Defect, Error, Faces, Mesh};
 use fairform_io::MeshData;
 use serde_json::{Value, json};
 
 use crate::args::Info;
 use crate::console::{Console, count};
-use crate::failure::{Failure, in_file};
-use crate::input;
+use crate::failure::Failure;
+use crate::input::{self, Source};
+use crate::steps::{self, Steps, coincident};
 
 pub(crate) fn run(args: &Info, console: &Console) -> Result<ExitCode, Failure> {
-    let name = input::name(&args.input.input);
-    let data = input::read(&args.input, console)?;
-    let facts = Facts::new(data, &name);
+    let source = Source::from(&args.input);
+    let facts = Facts::new(input::read(&source, console)?);
     if console.json() {
-        console.result(&facts.json(&name))?;
+        console.result(&facts.json(&source))?;
     } else {
-        console.print(&facts.text(&name))?;
+        console.print(&facts.text(&source))?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -37,7 +38,9 @@ struct Facts {
     groups: Vec<String>,
     materials: Vec<String>,
     notes: Vec<String>,
-    connectivity: Result<Connectivity, (Vec<Defect>, Failure)>,
+    connectivity: Result<Connectivity, (Vec<Defect>, String)>,
+    /// What makes the mesh fit for fitting, or better.
+    remedy: Option<Steps>,
 }
 
 struct Connectivity {
@@ -47,10 +50,17 @@ struct Connectivity {
     genus: usize,
     valence: [u32; 2],
     triangles: bool,
+    /// Closed parts that enclose a negative volume.
+    inside_out: usize,
 }
 
 impl Facts {
-    fn new(data: MeshData, name: &str) -> Self {
+    fn new(data: MeshData) -> Self {
+        let sound = Mesh::new(data.positions.clone(), &data.faces);
+        let remedy = match &sound {
+            Ok(mesh) if mesh.topology().uniform_face_size() == Some(3) => steps::joining(mesh),
+            _ => steps::remedy(&data.positions, &data.faces),
+        };
         let mut kinds = BTreeMap::new();
         let mut used = vec![false; data.positions.len()];
         for face in data.faces.iter() {
@@ -79,16 +89,18 @@ impl Facts {
             groups: data.groups.map_or(vec![], |l| l.names),
             materials: data.materials.map_or(vec![], |l| l.names),
             notes: data.notes,
-            connectivity: match Mesh::new(data.positions, &data.faces) {
-                Ok(mesh) => Ok(Connectivity::new(mesh.topology())),
+            connectivity: match sound {
+                Ok(mesh) => Ok(Connectivity::new(&mesh, &data.faces)),
                 Err(error) => {
-                    let failure = in_file(name, &error);
-                    match error {
-                        Error::NotManifold(defects) => Err((defects.0, failure)),
-                        _ => Err((vec![], failure)),
-                    }
+                    let message = error.to_string();
+                    let defects = match error {
+                        Error::NotManifold(defects) => defects.0,
+                        _ => vec![],
+                    };
+                    Err((defects, message))
                 }
             },
+            remedy,
         }
     }
 
@@ -97,23 +109,27 @@ impl Facts {
     }
 
     fn kinds(&self) -> String {
-        match self.kinds.iter().collect::<Vec<_>>().as_slice() {
-            [] => "none".into(),
-            [(3, _)] => "triangles".into(),
-            [(4, _)] => "quadrilaterals".into(),
-            several => {
-                let one =
-                    |(corners, n): &(&usize, &usize)| format!("{} {corners}-gons", count(**n));
-                several.iter().map(one).collect::<Vec<_>>().join(", ")
-            }
+        if self.kinds.is_empty() {
+            return "none".into();
         }
+        let one = |(&corners, &n): (&usize, &usize)| {
+            let plural = if n == 1 { "" } else { "s" };
+            match corners {
+                3 => format!("{} triangle{plural}", count(n)),
+                4 => format!("{} quadrilateral{plural}", count(n)),
+                _ => format!("{} {corners}-gon{plural}", count(n)),
+            }
+        };
+        let shown: Vec<_> = self.kinds.iter().take(8).map(one).collect();
+        let more = if self.kinds.len() > 8 { ", …" } else { "" };
+        format!("{}{more}", shown.join(", "))
     }
 
-    fn json(&self, name: &str) -> Value {
+    fn json(&self, source: &Source) -> Value {
         let sound = self.connectivity.as_ref().ok();
         let defects = self.connectivity.as_ref().err().map_or(&[][..], |e| &e.0);
         json!({
-            "file": name,
+            "file": source.to_string(),
             "vertices": self.vertices,
             "faces": self.faces(),
             "kinds": self.kinds.iter().map(|(k, n)| (k.to_string(), json!(n)))
@@ -131,40 +147,63 @@ impl Facts {
             "components": sound.map(|c| c.components),
             "genus": sound.map(|c| c.genus),
             "valence": sound.map(|c| c.valence),
-            "error": self.connectivity.as_ref().err().map(|e| &e.1.message),
-            "help": self.connectivity.as_ref().err().map(|e| &e.1.help),
+            "inside_out_parts": sound.map(|c| c.inside_out),
+            "error": self.connectivity.as_ref().err().map(|e| &e.1),
+            "help": self.remedy.as_ref().map(|steps| source.repair(steps)),
             "defects": tally(defects).into_iter().map(|(k, n)| (k.to_string(), json!(n)))
                 .collect::<serde_json::Map<_, _>>(),
             "first_defects": defects.iter().take(20).map(ToString::to_string).collect::<Vec<_>>(),
         })
     }
 
-    fn text(&self, name: &str) -> String {
-        let mut text = format!("{name}\n");
+    fn text(&self, source: &Source) -> String {
+        let mut text = format!("{source}\n");
         let mut row = |what: &str, value: String| {
-            let _ = writeln!(text, "  {what:<12} {value}");
+            let _ = writeln!(text, "  {what:<12}{value}");
         };
         row("vertices", count(self.vertices));
-        row("faces", format!("{}: {}", count(self.faces()), self.kinds()));
-        let (min, max) = (self.bounds.min, self.bounds.max);
-        row(
-            "box",
-            format!("x {} to {}, y {} to {}, z {} to {}", min.x, max.x, min.y, max.y, min.z, max.z),
-        );
+        row("faces", self.kinds());
+        if !self.kinds.is_empty() {
+            let (min, max) = (self.bounds.min, self.bounds.max);
+            let sides = [("x", min.x, max.x), ("y", min.y, max.y), ("z", min.z, max.z)];
+            let side = |(axis, from, to)| format!("{axis} {} to {}", short(from), short(to));
+            row("box", sides.map(side).join(", "));
+        }
         match &self.connectivity {
+            Ok(_) if self.kinds.is_empty() => row("surface", "none, for want of faces".into()),
             Ok(c) => {
                 row("edges", count(c.edges));
                 row("parts", format!("{}, total genus {}", count(c.components), c.genus));
-                let closed = "none, the mesh is closed".into();
-                row("boundary", if c.loops == 0 { closed } else { format!("{} loops", c.loops) });
+                row(
+                    "boundary",
+                    match c.loops {
+                        0 => "none, the mesh is closed".into(),
+                        1 => "1 loop".into(),
+                        loops => format!("{} loops", count(loops)),
+                    },
+                );
                 row("valence", format!("{} to {}", c.valence[0], c.valence[1]));
-                let fit = "ready for `fairform fit`";
-                row("manifold", if c.triangles { format!("yes; {fit}") } else { "yes".into() });
+                let use_of = if c.triangles { "; ready for `fairform fit`" } else { "" };
+                row("manifold", format!("yes{use_of}"));
+                if c.inside_out > 0 {
+                    row(
+                        "inside out",
+                        match c.inside_out {
+                            1 => "1 part; `fairform repair --outward` turns it".into(),
+                            parts => {
+                                format!("{parts} parts; `fairform repair --outward` turns them")
+                            }
+                        },
+                    );
+                }
             }
-            Err((defects, failure)) => {
+            Err((defects, error)) => {
                 row("manifold", "no".into());
                 for (kind, n) in tally(defects) {
                     row("", format!("{} × {kind}", count(n)));
+                }
+                if defects.is_empty() {
+                    row("", error.clone());
                 }
                 for defect in defects.iter().take(5) {
                     row("", format!("- {defect}"));
@@ -172,34 +211,47 @@ impl Facts {
                 if defects.len() > 5 {
                     row("", "- …".into());
                 }
-                if let Some(help) = &failure.help {
-                    row("help", help.clone());
-                }
+                row("", "(vertices and faces are counted from 0)".into());
             }
         }
         if self.coincident > 0 {
-            let weld = "vertices at the place of another; `repair --weld 0` joins them";
-            row("coincident", format!("{} {weld}", count(self.coincident)));
+            row("coincident", format!("{} at the place of another vertex", count(self.coincident)));
         }
         if self.unused > 0 {
-            row("isolated", format!("{} vertices without a face", count(self.unused)));
+            row("isolated", format!("{} without a face", count(self.unused)));
         }
         if !self.attributes.is_empty() {
             row("attributes", self.attributes.join(", "));
         }
         for (what, names) in [("groups", &self.groups), ("materials", &self.materials)] {
             if !names.is_empty() {
-                let shown: Vec<_> = names.iter().take(12).map(|n| format!("{n:?}")).collect();
-                let more = if names.len() > 12 { ", …" } else { "" };
-                row(what, format!("{}: {}{more}", names.len(), shown.join(", ")));
+                let shown: Vec<_> = names.iter().take(8).map(|n| format!("{n:?}")).collect();
+                let more = if names.len() > 8 { ", …" } else { "" };
+                row(what, format!("{}: {}{more}", count(names.len()), shown.join(", ")));
             }
+        }
+        if let Some(steps) = &self.remedy {
+            let ready = self.connectivity.as_ref().is_ok_and(|c| c.triangles);
+            row(if ready { "to join" } else { "to fit it" }, source.repair(steps));
         }
         text
     }
 }
 
+/// A number in at most six digits.
+fn short(x: f64) -> String {
+    let rounded: f64 = format!("{x:.5e}").parse().unwrap_or(x);
+    if rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs()) {
+        format!("{}", rounded + 0.0)
+    } else {
+        format!("{rounded:e}")
+    }
+}
+
 impl Connectivity {
-    fn new(topology: &Topology) -> Self {
+    fn new(mesh: &Mesh, faces: &Faces) -> Self {
+        let topology = mesh.topology();
+        let mut soup = Soup::new(mesh.positions().to_vec(), faces.clone());
         let components = topology.components().list;
         let valences = || {
             topology.vertices().filter(|&v| !topology.is_isolated(v)).map(|v| topology.valence(v))
@@ -211,6 +263,7 @@ impl Connectivity {
             genus: components.iter().map(fairform::topology::Component::genus).sum(),
             valence: [valences().min().unwrap_or(0), valences().max().unwrap_or(0)],
             triangles: topology.uniform_face_size() == Some(3),
+            inside_out: soup.orient_outward().turned.count,
         }
     }
 }
@@ -232,13 +285,4 @@ fn tally(defects: &[Defect]) -> BTreeMap<&'static str, usize> {
         *tally.entry(kind).or_default() += 1;
     }
     tally
-}
-
-/// Number of vertices at exactly the position of an earlier one.
-pub(crate) fn coincident(positions: &[Vec3]) -> usize {
-    // Zero is zero, whatever its sign; NaN is never equal, but sorts somewhere.
-    let key = |p: &Vec3| [p.x + 0.0, p.y + 0.0, p.z + 0.0].map(f64::to_bits);
-    let mut keys: Vec<_> = positions.iter().filter(|p| p.is_finite()).map(key).collect();
-    keys.sort_unstable();
-    keys.windows(2).filter(|w| w[0] == w[1]).count()
 }

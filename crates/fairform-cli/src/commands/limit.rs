@@ -7,30 +7,33 @@ use serde_json::json;
 
 use crate::args::Limit;
 use crate::console::{Console, count};
-use crate::failure::{Failure, in_file};
-use crate::input;
+use crate::failure::Failure;
+use crate::input::{self, Source};
 use crate::surface::Surface;
 
 pub(crate) fn run(args: &Limit, console: &Console) -> Result<ExitCode, Failure> {
-    let as_json = args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
+    let named_json = args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
+    let as_json = args.writing.to.is_none() && (named_json || input::is_dash(&args.output));
     if !as_json {
-        input::check_output(&args.output, &args.writing)?;
+        input::check_mesh(&args.output, &args.writing)?;
     }
-    let name = input::name(&args.input.input);
+    input::check_outputs(&[&args.output], console)?;
+    let source = Source::from(&args.input);
     let (scheme, corners) = (args.rules.scheme, args.rules.corners());
-    let mut surface = Surface::new(input::read(&args.input, console)?, &name)?;
+    let surface = Surface::new(input::read(&source, console)?, &source)?;
     let vertices = surface.mesh.positions().len();
+    let at = |e| surface.failure(&source, &e);
     if as_json {
         let (topology, control) = (surface.mesh.topology(), surface.mesh.positions());
-        let at = |e| in_file(&name, &e);
         let points = limit::limit_points(topology, control, scheme, corners).map_err(at)?;
         let normals = limit::limit_normals(topology, control, scheme, corners).map_err(at)?;
         let list = |values: Vec<Vec3>| values.into_iter().map(<[f64; 3]>::from).collect::<Vec<_>>();
         let text = json!({ "points": list(points), "normals": list(normals) }).to_string();
         input::save(&args.output, text.as_bytes())?;
     } else {
-        surface.to_limit(scheme, corners).map_err(|e| in_file(&name, &e))?;
-        input::write(&args.output, &args.writing, &surface.into_data(), console)?;
+        let mut limit = surface.clone();
+        limit.move_to_limit(scheme, corners).map_err(at)?;
+        input::write(&args.output, &args.writing, &limit.into_data(), console)?;
     }
     console.detail(format!("{} limit points", count(vertices)));
     console.result(&json!({ "vertices": vertices }))?;

@@ -6,21 +6,23 @@ use serde_json::json;
 
 use crate::args::Refine;
 use crate::console::{Console, count};
-use crate::failure::{Failure, in_file};
-use crate::input;
+use crate::failure::Failure;
+use crate::input::{self, Source};
 use crate::surface::{Surface, check_memory};
 
 pub(crate) fn run(args: &Refine, console: &Console) -> Result<ExitCode, Failure> {
-    input::check_output(&args.output, &args.writing)?;
-    let name = input::name(&args.input.input);
+    input::check_mesh(&args.output, &args.writing)?;
+    input::check_outputs(&[&args.output], console)?;
+    let source = Source::from(&args.input);
     let (scheme, corners) = (args.rules.scheme, args.rules.corners());
-    let surface = Surface::new(input::read(&args.input, console)?, &name)?;
-    check_memory(&surface.mesh, scheme, args.levels, &name)?;
+    let surface = Surface::new(input::read(&source, console)?, &source)?;
+    surface.warn_of_no_faces(&source, console);
+    check_memory(&surface, scheme, args.levels, &source)?;
+    let at = |e| surface.failure(&source, &e);
     let progress = console.progress();
-    let mut fine =
-        surface.refine(scheme, corners, args.levels, &progress).map_err(|e| in_file(&name, &e))?;
+    let mut fine = surface.refine(scheme, corners, args.levels, &progress).map_err(at)?;
     if args.limit {
-        fine.to_limit(scheme, corners).map_err(|e| in_file(&name, &e))?;
+        fine.move_to_limit(scheme, corners).map_err(at)?;
     }
     progress.say("writing");
     let data = fine.into_data();

@@ -1,6 +1,6 @@
 //! `fairform render`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use fairform_io::MeshData;
@@ -10,11 +10,12 @@ use serde_json::json;
 use crate::args::{Panels, Render};
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::input;
+use crate::input::{self, Source};
 
 pub(crate) fn run(args: &Render, console: &Console) -> Result<ExitCode, Failure> {
     check_picture(&args.output)?;
-    let read = |path: &std::path::PathBuf| input::read_file(path, args.from, console);
+    input::check_outputs(&[&args.output], console)?;
+    let read = |path: &PathBuf| input::read(&Source { path, format: args.from }, console);
     let meshes = args.inputs.iter().map(read).collect::<Result<Vec<_>, _>>()?;
     let panels: Vec<Panel> =
         meshes.iter().enumerate().map(|(i, data)| panel(args, i, data)).collect();
@@ -31,12 +32,12 @@ pub(crate) fn run(args: &Render, console: &Console) -> Result<ExitCode, Failure>
 }
 
 /// Only PNG is written.
-pub(crate) fn check_picture(path: &Path) -> Result<(), Failure> {
+fn check_picture(path: &Path) -> Result<(), Failure> {
     let is_png = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
     if is_png || input::is_dash(path) {
         return Ok(());
     }
-    Err(Failure::new(format!("{}: pictures are PNG", path.display()))
+    Err(Failure::usage(format!("{}: pictures are PNG", path.display()))
         .help("let the name end in .png"))
 }
 

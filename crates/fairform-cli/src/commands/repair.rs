@@ -1,111 +1,78 @@
 //! `fairform repair`.
 
-use std::fmt::Display;
 use std::process::ExitCode;
 
 use fairform::repair::Soup;
-use fairform::{Mesh, NONE, Vec3};
+use fairform::{Error, Mesh, NONE, Vec3};
 use fairform_io::{Labels, MeshData};
 use serde_json::json;
 
 use crate::args::Repair;
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::input;
+use crate::input::{self, Source};
+use crate::steps::{self, Steps};
 
 pub(crate) fn run(args: &Repair, console: &Console) -> Result<ExitCode, Failure> {
-    input::check_output(&args.output, &args.writing)?;
-    let steps = Steps::new(args);
+    input::check_mesh(&args.output, &args.writing)?;
+    input::check_outputs(&[&args.output], console)?;
+    let steps = steps(args);
     if steps == Steps::default() {
-        return Err(Failure::new("no repair step is asked for")
+        return Err(Failure::usage("no repair step is asked for")
             .help("name steps, for example --weld 0 --orient --split; or --all"));
     }
-    let name = input::name(&args.input.input);
-    let data = input::read(&args.input, console)?;
+    let data = input::read(&Source::from(&args.input), console)?;
     let mut soup = Soup::new(data.positions.clone(), data.faces.clone());
-    let done = steps.run(&mut soup)?;
+    let done = steps.run(&mut soup).map_err(|e| Failure::new(e.to_string()))?;
+    let done: Vec<String> = done.into_iter().map(|step| step.words).collect();
     for line in &done {
         console.note(line);
     }
     let repaired = follow(data, soup);
-    let verdict = Mesh::new(repaired.positions.clone(), &repaired.faces);
-    match &verdict {
-        Ok(_) => console.note("the result is a manifold mesh"),
-        Err(error) => console.note(format!("warning: {name}, repaired: {error}")),
-    }
+    let sound = Mesh::new(repaired.positions.clone(), &repaired.faces);
+    judge(&repaired, sound.as_ref(), console);
     input::write(&args.output, &args.writing, &repaired, console)?;
     console.result(&json!({
         "steps": done,
         "vertices": repaired.positions.len(),
         "faces": repaired.faces.len(),
-        "manifold": verdict.is_ok(),
+        "manifold": sound.is_ok(),
     }))?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// The steps, in the order in which they are made.
-#[expect(clippy::struct_excessive_bools, reason = "one switch per step")]
-#[derive(Default, PartialEq)]
-struct Steps {
-    weld: Option<f64>,
-    drop_degenerate: bool,
-    drop_duplicates: bool,
-    orient: bool,
-    split: bool,
-    fill_holes: Option<usize>,
-    outward: bool,
-    triangulate: bool,
-    drop_isolated: bool,
+fn steps(args: &Repair) -> Steps {
+    Steps {
+        weld: args.weld.or(args.all.then_some(0.0)),
+        drop_degenerate: args.drop_degenerate || args.all,
+        drop_duplicates: args.drop_duplicates || args.all,
+        orient: args.orient || args.all,
+        split: args.split || args.all,
+        fill_holes: args.fill_holes,
+        outward: args.outward,
+        triangulate: args.triangulate,
+        drop_isolated: args.drop_isolated || args.all,
+    }
 }
 
-impl Steps {
-    fn new(args: &Repair) -> Self {
-        Self {
-            weld: args.weld.or(args.all.then_some(0.0)),
-            drop_degenerate: args.drop_degenerate || args.all,
-            drop_duplicates: args.drop_duplicates || args.all,
-            orient: args.orient || args.all,
-            split: args.split || args.all,
-            fill_holes: args.fill_holes,
-            outward: args.outward,
-            triangulate: args.triangulate,
-            drop_isolated: args.drop_isolated || args.all,
+/// Says what the result is good for.
+fn judge(repaired: &MeshData, sound: Result<&Mesh, &Error>, console: &Console) {
+    let more = || steps::remedy(&repaired.positions, &repaired.faces);
+    match sound {
+        _ if repaired.faces.is_empty() => console.note("warning: no face is left"),
+        Ok(mesh) if mesh.topology().uniform_face_size() == Some(3) => {
+            console.note("the result is a manifold mesh of triangles");
         }
-    }
-
-    /// What each step did, in words.
-    fn run(&self, soup: &mut Soup) -> Result<Vec<String>, Failure> {
-        let mut done = Vec::new();
-        let mut say = |step: &str, report: &dyn Display| done.push(format!("{step}: {report}"));
-        if let Some(distance) = self.weld {
-            let report = soup.weld(distance).map_err(|e| Failure::new(e.to_string()))?;
-            say("weld", &report);
+        Ok(_) => console.note(
+            "the result is a manifold mesh of polygons; --triangulate would cut them for \
+             `fairform fit`",
+        ),
+        Err(error) => {
+            console.note(format!("warning: still not a manifold: {error} [counted from 0]"));
+            if let Some(steps) = more() {
+                console.note(format!("help: add {steps}"));
+            }
         }
-        if self.drop_degenerate {
-            say("drop degenerate", &soup.drop_degenerate());
-        }
-        if self.drop_duplicates {
-            say("drop duplicates", &soup.drop_duplicates());
-        }
-        if self.orient {
-            say("orient", &soup.orient());
-        }
-        if self.split {
-            say("split", &soup.split_non_manifold());
-        }
-        if let Some(edges) = self.fill_holes {
-            say("fill holes", &soup.fill_holes(edges));
-        }
-        if self.outward {
-            say("outward", &soup.orient_outward());
-        }
-        if self.triangulate {
-            say("triangulate", &soup.triangulate());
-        }
-        if self.drop_isolated {
-            say("drop isolated", &soup.drop_isolated());
-        }
-        Ok(done)
     }
 }
 
