@@ -451,8 +451,10 @@ fn depth_is_bounded_and_length_is_not() {
     assert_eq!(canonical(&text).parse::<Selection>(), text.parse::<Selection>());
     labelled(|context| assert_eq!(picked(&text, context), [1, 2, 3, 4, 5]));
 
-    let long = vec!["face=1"; 20_000].join(" or ");
-    assert_eq!(labelled(|context| picked(&long, context)), [1]);
+    for term in ["face=1", "(face=1)", "not not face=1", "!(!face=1)"] {
+        let long = vec![term; 20_000].join(" or ");
+        assert_eq!(labelled(|context| picked(&long, context)), [1], "{term}");
+    }
     let long = format!("group={}", vec!["lid"; 20_000].join(","));
     assert_eq!(labelled(|context| picked(&long, context)), [1, 5]);
 }
