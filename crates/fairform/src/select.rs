@@ -35,8 +35,8 @@
 //! `""` is that of the faces before the first name of a file. A name that no group has is an error.
 //!
 //! **Numbers** of faces, parts and corners are those of the mesh, as in messages; faces and parts
-//! count from 0. A range `a..b` has both its ends, and `a..` goes on to the last. Other numbers look
-//! like `2`, `-0.5` or `1e-3`. A face or part that the mesh does not have is an error.
+//! count from 0. A range `a..b` has both its ends, and `a..` goes on to the last. Other numbers
+//! look like `2`, `-0.5` or `1e-3`. A face or part that the mesh does not have is an error.
 //!
 //! **Geometry.** The *centre* of a face is the mean of its corners. Box and sphere have their
 //! surface. The half-space of `plane` has not, and its normal need not have length one. An angle
