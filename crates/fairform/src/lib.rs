@@ -32,6 +32,7 @@ pub mod mesh;
 pub mod refine;
 pub mod repair;
 pub mod scheme;
+pub mod select;
 pub mod shapes;
 pub mod solve;
 pub mod stencil;
