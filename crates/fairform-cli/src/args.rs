@@ -4,8 +4,8 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand, ValueEnum};
+use fairform::Scheme;
 use fairform::interpolate::{Method, Norm};
-use fairform::{Corners, Scheme};
 use fairform_io::Format;
 use fairform_render::View;
 
@@ -80,7 +80,7 @@ pub(crate) struct Fit {
     #[command(flatten)]
     pub(crate) writing: Writing,
     #[command(flatten)]
-    pub(crate) rules: Rules,
+    pub(crate) rules: RuleOptions,
     /// Solver; all have the same answer. `auto` is the fastest that is safe on any mesh, `plain` the
     /// process as published.
     #[arg(long, default_value_t = Method::Auto, value_name = "auto|plain|weighted|chebyshev|cg")]
@@ -128,7 +128,7 @@ pub(crate) struct Refine {
     #[command(flatten)]
     pub(crate) writing: Writing,
     #[command(flatten)]
-    pub(crate) rules: Rules,
+    pub(crate) rules: RuleOptions,
     /// Refinement steps.
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub(crate) levels: u32,
@@ -154,7 +154,7 @@ pub(crate) struct Limit {
     #[command(flatten)]
     pub(crate) writing: Writing,
     #[command(flatten)]
-    pub(crate) rules: Rules,
+    pub(crate) rules: RuleOptions,
 }
 
 /// Say what is in a mesh file, and what is wrong with it.
@@ -341,22 +341,39 @@ pub(crate) struct Writing {
 
 /// The subdivision rules.
 #[derive(clap::Args, Debug)]
-pub(crate) struct Rules {
-    /// Subdivision scheme.
-    #[arg(long, default_value_t = Scheme::Loop, value_name = "loop")]
+pub(crate) struct RuleOptions {
+    /// Subdivision scheme: loop for triangles, catmull-clark or doo-sabin for any polygons.
+    #[arg(long, default_value_t = Scheme::Loop, value_name = "SCHEME")]
     pub(crate) scheme: Scheme,
     /// Boundary vertices with one face: rounded like others, or kept.
     #[arg(long, value_enum, default_value_t = CornerChoice::Smooth)]
     pub(crate) corners: CornerChoice,
+    /// Doo–Sabin at the boundary: a B-spline of its own, or dropped.
+    #[arg(long, value_enum, default_value_t = BorderChoice::Bspline)]
+    pub(crate) boundary: BorderChoice,
+    /// Doo–Sabin in two phases, with a shape parameter in (0, 1] per face: near 1 tight, around 0.5
+    /// round. A number, auto, or a JSON file.
+    #[arg(long, visible_alias = "tension", value_name = "X|auto|FILE.json")]
+    pub(crate) lambda: Option<String>,
+    /// Another parameter for some faces, for example 'group=lid':0.85 or 'z>0.5 and not part=1':0.9;
+    /// repeat it for more, later ones win.
+    #[arg(long, value_name = "SELECTION:X", value_parser = selection)]
+    pub(crate) tension_where: Vec<(String, f64)>,
+    /// Let --tension-where fade over this distance from the selection outward.
+    #[arg(long, value_name = "DISTANCE", value_parser = positive)]
+    pub(crate) falloff: Option<f64>,
+    /// Sharp edges and vertices: JSON as in USD, or the `t` lines of an OBJ file.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) creases: Option<PathBuf>,
+    /// Make edges sharp whose faces meet at more than this angle.
+    #[arg(long, value_name = "DEGREES", value_parser = not_negative)]
+    pub(crate) crease_angle: Option<f64>,
 }
 
-impl Rules {
-    pub(crate) fn corners(&self) -> Corners {
-        match self.corners {
-            CornerChoice::Smooth => Corners::Smooth,
-            CornerChoice::Sharp => Corners::Sharp,
-        }
-    }
+#[derive(ValueEnum, Clone, Copy, Debug)]
+pub(crate) enum BorderChoice {
+    Bspline,
+    Drop,
 }
 
 #[derive(ValueEnum, Clone, Copy, Debug)]
@@ -368,6 +385,12 @@ pub(crate) enum CornerChoice {
 fn threads(text: &str) -> Result<NonZeroUsize, String> {
     let number = text.parse().ok().filter(|n: &NonZeroUsize| n.get() <= 1024);
     number.ok_or_else(|| "expected a number from 1 to 1024".into())
+}
+
+fn selection(text: &str) -> Result<(String, f64), String> {
+    let (selection, value) =
+        text.rsplit_once(':').ok_or("expected SELECTION:X, for example 'group=lid':0.85")?;
+    Ok((selection.into(), positive(value)?))
 }
 
 fn positive(text: &str) -> Result<f64, String> {

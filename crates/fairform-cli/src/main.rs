@@ -5,6 +5,7 @@ mod commands;
 mod console;
 mod failure;
 mod input;
+mod rules;
 mod steps;
 mod surface;
 

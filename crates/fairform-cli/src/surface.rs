@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use fairform::interpolate::{Interpolator, Norm, Options};
 use fairform::refine::{self, Refined};
-use fairform::{Corners, Mesh, Scheme, Vec3, limit};
+use fairform::{Mesh, Rules, Vec3, limit};
 use fairform_io::{Labels, MeshData};
 
 use crate::console::{Console, Progress, count};
@@ -16,6 +16,8 @@ use crate::input::Source;
 #[derive(Debug, Clone)]
 pub(crate) struct Surface {
     pub(crate) mesh: Mesh,
+    /// How it is refined from here on.
+    pub(crate) rules: Rules,
     /// Red, green, blue.
     colours: Option<Vec<Vec3>>,
     /// Opacity in the first place.
@@ -24,8 +26,8 @@ pub(crate) struct Surface {
     uvs: Option<Vec<Vec3>>,
     pub(crate) normals: Option<Vec<Vec3>>,
     corner_uvs: Option<Vec<Vec3>>,
-    groups: Option<Labels>,
-    materials: Option<Labels>,
+    pub(crate) groups: Option<Labels>,
+    pub(crate) materials: Option<Labels>,
     material_library: Option<String>,
 }
 
@@ -48,6 +50,7 @@ impl Surface {
             .map(|colours| colours.iter().map(|&[r, g, b, _]| Vec3::new(r, g, b)).collect());
         Ok(Self {
             mesh,
+            rules: Rules::LOOP,
             colours: colours.filter(finite),
             opacity: opacity.filter(finite),
             uvs: data.uvs.map(uv).filter(finite),
@@ -62,6 +65,19 @@ impl Surface {
     /// A kernel error about this mesh.
     pub(crate) fn failure(&self, source: &Source, error: &fairform::Error) -> Failure {
         in_mesh(source, error, self.mesh.positions(), &self.mesh.topology().to_faces())
+    }
+
+    /// Says what will not survive refinement.
+    pub(crate) fn warn_of_losses(&self, levels: u32, console: &Console) {
+        if levels > 0
+            && self.corner_uvs.is_some()
+            && self.rules.scheme == fairform::Scheme::DooSabin
+        {
+            console.note(
+                "note: texture coordinates with seams left out: Doo–Sabin's new faces lie across \
+                 the old edges",
+            );
+        }
     }
 
     pub(crate) fn warn_of_no_faces(&self, source: &Source, console: &Console) {
@@ -93,21 +109,15 @@ impl Surface {
         Ok(())
     }
 
-    pub(crate) fn refine(
-        &self,
-        scheme: Scheme,
-        corners: Corners,
-        levels: u32,
-        progress: &Progress,
-    ) -> Result<Self, fairform::Error> {
+    pub(crate) fn refine(&self, levels: u32, progress: &Progress) -> Result<Self, fairform::Error> {
         let mut surface = self.clone();
         for level in 1..=levels {
-            let size = refine::check_size(surface.mesh.topology(), scheme, 1)?;
+            let size = refine::check_size(surface.mesh.topology(), &surface.rules, 1)?;
             let vertices = count(usize::try_from(size.vertex_count).unwrap_or(usize::MAX));
             progress.say(format!("refining: level {level} of {levels}, {vertices} vertices"));
             let coarse = Arc::clone(surface.mesh.topology());
-            let step = refine::refine(&coarse, scheme, corners)?;
-            surface.step(step);
+            let rules = surface.rules.clone();
+            surface.step(refine::refine(&coarse, &rules)?);
         }
         if levels > 0
             && let Some(normals) = &mut surface.normals
@@ -127,7 +137,10 @@ impl Surface {
             *normals = step.apply(normals);
         }
         if let Some(uvs) = &mut self.corner_uvs {
-            *uvs = step.apply_to_corners(uvs);
+            match step.apply_to_corners(uvs) {
+                Some(finer) => *uvs = finer,
+                None => self.corner_uvs = None,
+            }
         }
         for labels in [&mut self.groups, &mut self.materials].into_iter().flatten() {
             let parent = |f| labels.of_face[step.parent(f).index()];
@@ -135,32 +148,26 @@ impl Surface {
         }
         let positions = step.apply(self.mesh.positions());
         self.mesh = Mesh::from_parts(Arc::new(step.topology), positions);
+        self.rules = step.next;
     }
 
     /// Moves everything to the limit, with exact normals.
-    pub(crate) fn move_to_limit(
-        &mut self,
-        scheme: Scheme,
-        corners: Corners,
-    ) -> Result<(), fairform::Error> {
-        self.limit_normals(scheme, corners)?;
+    pub(crate) fn move_to_limit(&mut self) -> Result<(), fairform::Error> {
+        self.limit_normals()?;
+        let rules = self.rules.clone();
         let topology = Arc::clone(self.mesh.topology());
         for field in self.fields() {
-            *field = limit::limit_points(&topology, field, scheme, corners)?;
+            *field = limit::limit_points(&topology, field, &rules)?;
         }
-        let points = limit::limit_points(&topology, self.mesh.positions(), scheme, corners)?;
+        let points = limit::limit_points(&topology, self.mesh.positions(), &rules)?;
         self.mesh = self.mesh.with_positions(points);
         Ok(())
     }
 
     /// The normals of the limit surface, at the vertices as they are.
-    pub(crate) fn limit_normals(
-        &mut self,
-        scheme: Scheme,
-        corners: Corners,
-    ) -> Result<(), fairform::Error> {
+    pub(crate) fn limit_normals(&mut self) -> Result<(), fairform::Error> {
         let (topology, points) = (self.mesh.topology(), self.mesh.positions());
-        self.normals = Some(limit::limit_normals(topology, points, scheme, corners)?);
+        self.normals = Some(limit::limit_normals(topology, points, &self.rules)?);
         Ok(())
     }
 
@@ -192,17 +199,12 @@ impl Surface {
 }
 
 /// Refuses what would not fit into memory, before it is begun.
-pub(crate) fn check_memory(
-    surface: &Surface,
-    scheme: Scheme,
-    levels: u32,
-    source: &Source,
-) -> Result<(), Failure> {
+pub(crate) fn check_memory(surface: &Surface, levels: u32, source: &Source) -> Result<(), Failure> {
     let too_much = |what: String| {
         Failure::new(format!("{source}: {levels} levels would make {what}"))
             .help("use fewer --levels; each makes four times as many faces")
     };
-    let size = match refine::check_size(surface.mesh.topology(), scheme, levels) {
+    let size = match refine::check_size(surface.mesh.topology(), &surface.rules, levels) {
         Ok(size) => size,
         Err(fairform::Error::TooLarge { .. }) => {
             return Err(too_much("more than 2,147,483,647 half-edges".into()));

@@ -22,6 +22,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod crease;
 mod data;
 mod error;
 #[cfg(feature = "files")]
@@ -37,6 +38,7 @@ mod text;
 mod triangulate;
 mod weld;
 
+pub use crease::{CreaseList, parse_creases};
 pub use data::{Labels, MeshData, WriteOptions};
 pub use error::{Error, ParseError, Place};
 #[cfg(feature = "files")]

@@ -36,6 +36,7 @@ pub mod select;
 pub mod shapes;
 pub mod solve;
 pub mod stencil;
+pub mod tension;
 pub mod topology;
 pub mod vec3;
 

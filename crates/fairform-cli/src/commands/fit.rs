@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use fairform::interpolate::{FitReport, Interpolator, Options, StageName};
 use fairform::solve::{Outcome, Step};
-use fairform::{Mesh, Topology};
+use fairform::{Mesh, Rules, Topology};
 use fairform_io::{Format, MeshData};
 use fairform_render::{Body, Colour, Dot, Line, Panel, Series, View};
 use serde_json::{Value, json};
@@ -16,6 +16,7 @@ use crate::args::Fit;
 use crate::console::{Console, count};
 use crate::failure::Failure;
 use crate::input::{self, Source};
+use crate::rules;
 use crate::steps;
 use crate::surface::{Surface, check_memory};
 
@@ -40,17 +41,18 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
     let given = args.input.input.as_deref();
     let source = Source { path: given.unwrap_or(Path::new("the sample")), format: args.input.from };
     let data = if given.is_some() { input::read(&source, console)? } else { sample()? };
-    let target = Surface::new(data, &source)?;
+    let mut target = Surface::new(data, &source)?;
     clock.lap("read");
-    let (scheme, corners) = (args.rules.scheme, args.rules.corners());
-    check_memory(&target, scheme, args.levels, &source)?;
+    target.rules = rules::build(&args.rules, &target)?;
+    check_memory(&target, args.levels, &source)?;
+    target.warn_of_losses(args.levels, console);
     target.warn_of_no_faces(&source, console);
     warn_of_seams(&target.mesh, &source, console);
 
     progress.say("preparing");
     let at = |e| target.failure(&source, &e);
     let topology = target.mesh.topology().clone();
-    let interpolator = Interpolator::new(&topology, scheme, corners).map_err(at)?;
+    let interpolator = Interpolator::new(&topology, &target.rules).map_err(at)?;
     clock.lap("prepare");
     let options = options(args);
     let mut observe = |stage: StageName, step: Step| {
@@ -65,11 +67,11 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
     control.fit_fields(&interpolator, &options).map_err(at)?;
     clock.lap("solve");
 
-    let mut surface = control.refine(scheme, corners, args.levels, &progress).map_err(at)?;
+    let mut surface = control.refine(args.levels, &progress).map_err(at)?;
     if args.limit || args.output.is_none() {
-        surface.move_to_limit(scheme, corners).map_err(at)?;
+        surface.move_to_limit().map_err(at)?;
     } else if had_normals {
-        surface.limit_normals(scheme, corners).map_err(at)?;
+        surface.limit_normals().map_err(at)?;
     }
     clock.lap("refine");
 
@@ -86,12 +88,12 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
     clock.lap("write");
     drop(progress);
 
-    let summary = summary(args, &options, &topology, &data, &report, &clock);
+    let summary = summary(args, &options, &target.rules, &topology, &data, &report, &clock);
     if let Some(path) = &args.report {
         input::save(path, format!("{summary:#}\n").as_bytes())?;
     }
     if let Some(path) = &args.plot {
-        input::save(path, plot(&report, &options).as_bytes())?;
+        input::save(path, plot(&report, &options, &target.rules).as_bytes())?;
     }
     tell(args, &output, &data, &report, &clock, console);
     console.result(&summary)?;
@@ -105,8 +107,6 @@ fn sample() -> Result<MeshData, Failure> {
 fn options(args: &Fit) -> Options {
     let usual = Options::default();
     Options {
-        scheme: args.rules.scheme,
-        corners: args.rules.corners(),
         method: args.method,
         norm: args.norm,
         // A count alone is to be made exactly.
@@ -185,6 +185,7 @@ fn tell(
 fn summary(
     args: &Fit,
     options: &Options,
+    rules: &Rules,
     topology: &Topology,
     data: &MeshData,
     report: &FitReport,
@@ -207,8 +208,9 @@ fn summary(
         })
         .collect();
     json!({
-        "scheme": options.scheme.name(),
-        "corners": format!("{:?}", options.corners).to_lowercase(),
+        "scheme": rules.scheme.name(),
+        "corners": format!("{:?}", rules.corners).to_lowercase(),
+        "lambda": rules.tension.as_deref(),
         "method": options.method.name(),
         "norm": options.norm.name(),
         "unit": report.unit,
@@ -233,7 +235,7 @@ fn summary(
     })
 }
 
-fn plot(report: &FitReport, options: &Options) -> String {
+fn plot(report: &FitReport, options: &Options, rules: &Rules) -> String {
     let mut series = Vec::new();
     for stage in &report.stages {
         let history = &stage.solve.history;
@@ -244,7 +246,7 @@ fn plot(report: &FitReport, options: &Options) -> String {
         series.push(Series { name: name("max"), points: pick(|s| s.max), dashed: false });
         series.push(Series { name: name("mean"), points: pick(|s| s.mean), dashed: true });
     }
-    let title = format!("Progressive interpolation: {}, {}", options.scheme, options.method);
+    let title = format!("Progressive interpolation: {}, {}", rules.scheme, options.method);
     let y = format!("distance to the vertices ({})", options.norm);
     fairform_render::plot_svg(&series, &title, "iterations", &y, true)
 }

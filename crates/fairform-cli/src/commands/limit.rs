@@ -9,6 +9,7 @@ use crate::args::Limit;
 use crate::console::{Console, count};
 use crate::failure::Failure;
 use crate::input::{self, Source};
+use crate::rules;
 use crate::surface::Surface;
 
 pub(crate) fn run(args: &Limit, console: &Console) -> Result<ExitCode, Failure> {
@@ -19,20 +20,20 @@ pub(crate) fn run(args: &Limit, console: &Console) -> Result<ExitCode, Failure> 
     }
     input::check_outputs(&[&args.output], console)?;
     let source = Source::from(&args.input);
-    let (scheme, corners) = (args.rules.scheme, args.rules.corners());
-    let surface = Surface::new(input::read(&source, console)?, &source)?;
+    let mut surface = Surface::new(input::read(&source, console)?, &source)?;
+    surface.rules = rules::build(&args.rules, &surface)?;
     let vertices = surface.mesh.positions().len();
     let at = |e| surface.failure(&source, &e);
     if as_json {
         let (topology, control) = (surface.mesh.topology(), surface.mesh.positions());
-        let points = limit::limit_points(topology, control, scheme, corners).map_err(at)?;
-        let normals = limit::limit_normals(topology, control, scheme, corners).map_err(at)?;
+        let points = limit::limit_points(topology, control, &surface.rules).map_err(at)?;
+        let normals = limit::limit_normals(topology, control, &surface.rules).map_err(at)?;
         let list = |values: Vec<Vec3>| values.into_iter().map(<[f64; 3]>::from).collect::<Vec<_>>();
         let text = json!({ "points": list(points), "normals": list(normals) }).to_string();
         input::save(&args.output, text.as_bytes())?;
     } else {
         let mut limit = surface.clone();
-        limit.move_to_limit(scheme, corners).map_err(at)?;
+        limit.move_to_limit().map_err(at)?;
         input::write(&args.output, &args.writing, &limit.into_data(), console)?;
     }
     console.detail(format!("{} limit points", count(vertices)));

@@ -8,21 +8,22 @@ use crate::args::Refine;
 use crate::console::{Console, count};
 use crate::failure::Failure;
 use crate::input::{self, Source};
+use crate::rules;
 use crate::surface::{Surface, check_memory};
 
 pub(crate) fn run(args: &Refine, console: &Console) -> Result<ExitCode, Failure> {
     input::check_mesh(&args.output, &args.writing)?;
     input::check_outputs(&[&args.output], console)?;
     let source = Source::from(&args.input);
-    let (scheme, corners) = (args.rules.scheme, args.rules.corners());
-    let surface = Surface::new(input::read(&source, console)?, &source)?;
+    let mut surface = Surface::new(input::read(&source, console)?, &source)?;
+    surface.rules = rules::build(&args.rules, &surface)?;
     surface.warn_of_no_faces(&source, console);
-    check_memory(&surface, scheme, args.levels, &source)?;
+    check_memory(&surface, args.levels, &source)?;
     let at = |e| surface.failure(&source, &e);
     let progress = console.progress();
-    let mut fine = surface.refine(scheme, corners, args.levels, &progress).map_err(at)?;
+    let mut fine = surface.refine(args.levels, &progress).map_err(at)?;
     if args.limit {
-        fine.move_to_limit(scheme, corners).map_err(at)?;
+        fine.move_to_limit().map_err(at)?;
     }
     progress.say("writing");
     let data = fine.into_data();
