@@ -81,7 +81,7 @@ impl Indices {
         let index = match number {
             0 => return None,
             1.. => number - 1,
-            _ => number + count as i64,
+            _ => number.checked_add(i64::try_from(count).ok()?)?,
         };
         let index = u32::try_from(index).ok().filter(|index| *index < NONE)?;
         if index as usize >= count {
@@ -135,10 +135,10 @@ struct Reader<'a> {
     face: Vec<u32>,
     groups: LabelBuilder,
     materials: LabelBuilder,
-    weights: bool,
+    weights: usize,
     extra_numbers: usize,
     points_and_lines: usize,
-    smoothing: bool,
+    smoothing: usize,
     free_form: usize,
     has_object: bool,
     has_group: bool,
@@ -165,10 +165,10 @@ impl<'a> Reader<'a> {
             face: Vec::new(),
             groups: LabelBuilder::default(),
             materials: LabelBuilder::default(),
-            weights: false,
+            weights: 0,
             extra_numbers: 0,
             points_and_lines: 0,
-            smoothing: false,
+            smoothing: 0,
             free_form: 0,
             has_object: false,
             has_group: false,
@@ -219,7 +219,8 @@ impl<'a> Reader<'a> {
                 library.push_str(&name);
             }
             b"s" => {
-                self.smoothing |= !matches!(self.name().as_str(), "off" | "0" | "");
+                let on = !matches!(self.name().as_str(), "off" | "0" | "");
+                self.smoothing += usize::from(on);
             }
             b"p" | b"l" => {
                 self.points_and_lines += 1;
@@ -304,7 +305,7 @@ impl<'a> Reader<'a> {
         match count {
             3 => return Ok(()),
             4 => {
-                self.weights |= n[3].to_bits() != 1.0_f64.to_bits();
+                self.weights += usize::from(n[3].to_bits() != 1.0_f64.to_bits());
                 return Ok(());
             }
             6 | 7 => {}
@@ -466,10 +467,10 @@ impl<'a> Reader<'a> {
             let n = counted(self.points_and_lines, "point or line statement");
             notes.push(format!("{n} skipped: only faces are read"));
         }
-        if self.smoothing {
+        if self.smoothing > 0 {
             notes.push("smoothing groups left out".into());
         }
-        if self.weights {
+        if self.weights > 0 {
             notes.push("vertex weights (v x y z w) left out".into());
         }
         if self.extra_numbers > 0 {

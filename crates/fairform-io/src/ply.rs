@@ -881,35 +881,32 @@ pub(crate) fn encode(
     let longest = if data.corner_uvs.is_some() { longest.saturating_mul(2) } else { longest };
     let short_lists = longest <= 255;
     // Some readers know no unsigned indices.
-    let index = if data.positions.len() <= i32::MAX as usize { "int" } else { "uint" };
+    let index = if i32::try_from(data.positions.len()).is_ok() { "int" } else { "uint" };
 
-    let mut header = String::from("ply\n");
     let encoding = if options.ascii { "ascii" } else { "binary_little_endian" };
-    header += &format!("format {encoding} 1.0\nelement vertex {}\n", data.positions.len());
+    let vertices = data.positions.len();
+    write!(out, "ply\nformat {encoding} 1.0\nelement vertex {vertices}\n")?;
     let mut properties = |kind: &str, names: &[&str]| {
-        for name in names {
-            header += &format!("property {kind} {name}\n");
-        }
+        names.iter().try_for_each(|name| writeln!(out, "property {kind} {name}"))
     };
-    properties(real, &["x", "y", "z"]);
+    properties(real, &["x", "y", "z"])?;
     if data.normals.is_some() {
-        properties(real, &["nx", "ny", "nz"]);
+        properties(real, &["nx", "ny", "nz"])?;
     }
     if data.colours.is_some() {
         let kind = if bytes.is_some() { "uchar" } else { real };
-        properties(kind, &["red", "green", "blue", "alpha"]);
+        properties(kind, &["red", "green", "blue", "alpha"])?;
     }
     if data.uvs.is_some() {
-        properties(real, &["s", "t"]);
+        properties(real, &["s", "t"])?;
     }
     let length = if short_lists { "uchar" } else { "uint" };
-    header += &format!("element face {}\n", data.faces.len());
-    header += &format!("property list {length} {index} vertex_indices\n");
+    writeln!(out, "element face {}", data.faces.len())?;
+    writeln!(out, "property list {length} {index} vertex_indices")?;
     if data.corner_uvs.is_some() {
-        header += &format!("property list {length} {real} texcoord\n");
+        writeln!(out, "property list {length} {real} texcoord")?;
     }
-    header += "end_header\n";
-    out.write_all(header.as_bytes())?;
+    writeln!(out, "end_header")?;
 
     let mut rows = RowWriter {
         out,

@@ -7,7 +7,7 @@
 //! A binary file with bytes behind the declared triangles is read, with a note, unless the bytes
 //! are exactly more triangles: then the count is wrong, and that is an error.
 //!
-//! Source: 3D Systems, *StereoLithography Interface Specification*, 1989.
+//! Source: 3D Systems, *Stereolithography Interface Specification*, 1989.
 
 use std::io::Write;
 

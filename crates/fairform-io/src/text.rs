@@ -353,7 +353,7 @@ mod tests {
         writer
             .write_all(&mut out, &[1.0, -0.5, 0.1, 1e30, 5e-324, f64::NAN, f64::NEG_INFINITY])
             .unwrap();
-        assert_eq!(out, b" 1 -0.5 0.1 1e30 5e-324 nan -inf");
+        assert_eq!(out, b" 1 -0.5 0.1 1e+30 5e-324 nan -inf");
         out.clear();
         NumberWriter::new(true).write_all(&mut out, &[f64::from(0.1_f32), 1e-7]).unwrap();
         assert_eq!(out, b" 0.1 1e-7");

@@ -117,6 +117,10 @@ impl Triangulator {
         while q != a {
             let inside =
                 self.turn(a, b, q) >= 0.0 && self.turn(b, c, q) >= 0.0 && self.turn(c, a, q) >= 0.0;
+            #[expect(
+                clippy::float_cmp,
+                reason = "the very point, as where a polygon touches itself"
+            )]
             let at_corner = [a, b, c].iter().any(|&p| self.points[p] == self.points[q]);
             if inside && !at_corner {
                 return false;

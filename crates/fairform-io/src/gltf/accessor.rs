@@ -18,7 +18,7 @@ const ELEMENTS_PER_BYTE: u64 = 64;
 /// The buffers of a document, and how much may still be made from them.
 pub(super) struct Buffers<'a> {
     document: &'a Document,
-    buffers: Vec<Cow<'a, [u8]>>,
+    data: Vec<Cow<'a, [u8]>>,
     /// Vertices and corners that may still be made. A few bytes may stand for any number of them:
     /// zeros without a buffer, and meshes that many nodes use.
     room: u64,
@@ -89,7 +89,7 @@ impl<'a> Buffers<'a> {
             buffers.push(bytes);
         }
         let room = FREE_ELEMENTS + ELEMENTS_PER_BYTE * size;
-        Ok(Self { document, buffers, room })
+        Ok(Self { document, data: buffers, room })
     }
 
     /// Takes room for so many vertices or corners.
@@ -129,8 +129,8 @@ impl<'a> Buffers<'a> {
                 format!("{who} refers to buffer view {view}, but the file has {}", views.len());
             return Err(ParseError::file(message));
         };
-        let Some(buffer) = self.buffers.get(v.buffer) else {
-            let n = self.buffers.len();
+        let Some(buffer) = self.data.get(v.buffer) else {
+            let n = self.data.len();
             let message =
                 format!("buffer view {view} refers to buffer {}, but the file has {n}", v.buffer);
             return Err(ParseError::file(message));
@@ -185,17 +185,14 @@ impl<'a> Buffers<'a> {
             values
         };
         let size = size * components;
-        let mut out: Vec<[f64; N]> = match accessor.buffer_view {
-            Some(view) => {
-                let (bytes, stride) =
-                    self.strided((view, accessor.byte_offset), (accessor.count, size), &who)?;
-                (0..accessor.count as usize).map(|i| element(&bytes[i * stride..])).collect()
-            }
-            None => {
-                let mut zero = [missing; N];
-                zero[..components.min(N)].fill(0.0);
-                vec![zero; accessor.count as usize]
-            }
+        let mut out: Vec<[f64; N]> = if let Some(view) = accessor.buffer_view {
+            let (bytes, stride) =
+                self.strided((view, accessor.byte_offset), (accessor.count, size), &who)?;
+            (0..accessor.count as usize).map(|i| element(&bytes[i * stride..])).collect()
+        } else {
+            let mut zero = [missing; N];
+            zero[..components.min(N)].fill(0.0);
+            vec![zero; accessor.count as usize]
         };
         if let Some(sparse) = &accessor.sparse {
             let who = format!("the sparse part of {who}");
@@ -212,14 +209,12 @@ impl<'a> Buffers<'a> {
                 let target = component(kind, false, &indices.0[i * indices.1..]);
                 // Whole and not negative by the types allowed above.
                 #[expect(clippy::cast_sign_loss, reason = "an unsigned number of the file")]
-                match out.get_mut(target as usize) {
-                    Some(slot) => *slot = element(&values.0[i * values.1..]),
-                    None => {
-                        let n = accessor.count;
-                        let message = format!("{who} replaces element {target} of {n}");
-                        return Err(ParseError::file(message));
-                    }
-                }
+                let Some(slot) = out.get_mut(target as usize) else {
+                    let n = accessor.count;
+                    let message = format!("{who} replaces element {target} of {n}");
+                    return Err(ParseError::file(message));
+                };
+                *slot = element(&values.0[i * values.1..]);
             }
         }
         Ok(out)
@@ -262,15 +257,12 @@ fn decoded_name(uri: &str) -> String {
             [high, low, ..] if byte == b'%' => hex(*high).zip(hex(*low)),
             _ => None,
         };
-        match code {
-            Some((high, low)) => {
-                out.push((16 * high + low) as u8);
-                rest = &after[2..];
-            }
-            None => {
-                out.push(byte);
-                rest = after;
-            }
+        if let Some((high, low)) = code {
+            out.push((16 * high + low) as u8);
+            rest = &after[2..];
+        } else {
+            out.push(byte);
+            rest = after;
         }
     }
     String::from_utf8(out).unwrap_or_else(|_| uri.to_string())

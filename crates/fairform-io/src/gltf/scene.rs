@@ -135,15 +135,12 @@ impl<T: Clone> Optional<T> {
         if count == 0 {
             return;
         }
-        match values {
-            Some(values) => {
-                self.has = true;
-                self.values.extend(values);
-            }
-            None => {
-                self.lacks = true;
-                self.values.resize(self.values.len() + count, missing.clone());
-            }
+        if let Some(values) = values {
+            self.has = true;
+            self.values.extend(values);
+        } else {
+            self.lacks = true;
+            self.values.resize(self.values.len() + count, missing.clone());
         }
     }
 }
@@ -256,24 +253,20 @@ impl<'a> Reader<'a> {
             self.skipped += 1;
             return Ok(());
         }
-        let first = match first_vertex.get(&primitive.attributes) {
-            Some(first) => *first,
-            None => {
-                let first = self.vertices(&primitive.attributes, position, map)?;
-                first_vertex.insert(primitive.attributes, first);
-                first
-            }
+        let first = if let Some(first) = first_vertex.get(&primitive.attributes) {
+            *first
+        } else {
+            let first = self.vertices(&primitive.attributes, position, map)?;
+            first_vertex.insert(primitive.attributes, first);
+            first
         };
         let count = self.buffers.count(position)?;
-        let indices = match primitive.indices {
-            Some(accessor) => {
-                self.buffers.spend(self.buffers.count(accessor)?, "a primitive")?;
-                self.buffers.indices(accessor)?
-            }
-            None => {
-                self.buffers.spend(count, "a primitive")?;
-                (0..count as u32).collect()
-            }
+        let indices = if let Some(accessor) = primitive.indices {
+            self.buffers.spend(self.buffers.count(accessor)?, "a primitive")?;
+            self.buffers.indices(accessor)?
+        } else {
+            self.buffers.spend(count, "a primitive")?;
+            (0..count as u32).collect()
         };
         if let Some((i, bad)) = indices.iter().enumerate().find(|(_, v)| u64::from(**v) >= count) {
             let accessor = primitive.indices.unwrap_or_default();
