@@ -3,7 +3,7 @@
 use fairform::interpolate::Method;
 
 use crate::bandwidth::Bandwidth;
-use crate::rows::{COUNTS, Row, UPDATES, What, update_bytes};
+use crate::rows::{Bytes, COUNTS, Row, UPDATES, What, update_bytes};
 use crate::{Measured, Samples, THREADS};
 
 /// Sizes from which the targets count.
@@ -21,15 +21,16 @@ and their median in brackets. The best is what the step takes, the median what a
 does other things makes of it. The meshes are a *torus* numbered row by row, a *sphere* numbered as
 subdivision makes it, and that sphere *shuffled*, vertices and faces in random order.
 
-*Bytes* are what a step cannot do without per vertex: every array that it takes read once, every
-array that it makes written once. *× memory* is how many times longer it took than moving those bytes
-at the speed of the triad below takes; small meshes live in the caches and can beat it. New arrays
-cost more than that, since the system has to find their pages.
+*Bytes* are what a step cannot do without per vertex: every array that it takes read once, and, after
+the plus sign, every array that it makes written once. *× memory* is how many times longer the step
+took than that takes: the former at the speed of the triad, the latter at that of writing new
+memory, which is slow since the system has to find its pages. Small meshes live in the caches and
+can beat it.
 
-A fit goes from the topology to a largest error of 1e-6 of the diagonal, preparing included; the
-vertices lie off the smooth shape by up to a tenth of an edge in each coordinate. An update is timed
-as the difference of runs with different counts, so that nothing else is in it; `auto`, `plain`,
-`weighted` and `chebyshev` make the same update with different numbers.
+A fit goes to a largest error of 1e-6 of the diagonal, on a topology that is prepared; the vertices
+lie off the smooth shape by up to a tenth of an edge in each coordinate. An update is timed as the
+difference of runs with different counts, so that nothing else is in it; `auto`, `plain`, `weighted`
+and `chebyshev` make the same update with different numbers.
 ";
 
 const HEAD: &str = "\
@@ -43,13 +44,14 @@ pub(crate) fn print(bandwidth: &[Bandwidth; THREADS.len()], sizes: &[Vec<Measure
     for (threads, b) in THREADS.iter().zip(bandwidth) {
         println!("| {threads} | {:.1} | {:.1} | {:.1} |", b.copy(), b.triad(), b.fresh());
     }
-    let triad = bandwidth.each_ref().map(Bandwidth::triad);
     for meshes in sizes {
         let counts: Vec<usize> = meshes.iter().map(|mesh| mesh.vertex_count).collect();
         println!("\n## {} vertices\n\n{HEAD}", spaced(counts[0]));
         for i in 0..lines(&meshes[0]).len() {
             for mesh in meshes {
-                lines(mesh)[i].print(mesh.name, triad);
+                if let Some(line) = lines(mesh).get(i) {
+                    line.print(mesh.name, bandwidth);
+                }
             }
         }
     }
@@ -62,19 +64,20 @@ struct Line {
     count: usize,
     /// Best and median seconds, for each number of threads.
     seconds: [[f64; 2]; THREADS.len()],
-    bytes: f64,
+    bytes: Bytes,
     target: Option<f64>,
 }
 
 impl Line {
-    fn print(&self, mesh: &str, triad: [f64; THREADS.len()]) {
+    fn print(&self, mesh: &str, bandwidth: &[Bandwidth; THREADS.len()]) {
         let ns = 1e9 / self.count as f64;
+        let Bytes { moved, new } = self.bytes;
         let cells: Vec<String> = self
             .seconds
             .iter()
-            .zip(triad)
-            .map(|(&[best, median], triad)| {
-                let ratio = best * ns / (self.bytes / triad);
+            .zip(bandwidth)
+            .map(|(&[best, median], memory)| {
+                let ratio = best * ns / (moved / memory.triad() + new / memory.fresh());
                 format!("{:.1} ({:.1}) | {ratio:.1}", best * ns, median * ns)
             })
             .collect();
@@ -83,11 +86,10 @@ impl Line {
             let verdict = if best * ns < target { "met" } else { "**missed**" };
             format!("{target:.0}: {verdict}")
         });
+        let cells = cells.join(" | ");
         println!(
-            "| {} | {mesh} | {best:.4} | {} | {:.0} | {target} |",
-            self.what,
-            cells.join(" | "),
-            self.bytes
+            "| {} | {mesh} | {best:.4} | {cells} | {moved:.0} + {new:.0} | {target} |",
+            self.what
         );
     }
 }
@@ -134,7 +136,7 @@ fn update_line(mesh: &Measured, method: Method) -> Line {
         what: format!("one update, {method}"),
         count: mesh.vertex_count,
         seconds,
-        bytes: update_bytes(method),
+        bytes: Bytes { moved: update_bytes(method), new: 0.0 },
         target,
     }
 }
