@@ -236,7 +236,8 @@ pub(crate) struct Repair {
 #[command(after_help = "Examples:\n  \
     fairform render surface.ply -o surface.png\n  \
     fairform render bunny.obj surface.ply -o both.png --size 1600x800 --wireframe --view front\n  \
-    fairform render part.stl -o part.png --view 120,15,z --flat")]
+    fairform render part.stl -o part.png --view 120,15,z --flat\n  \
+    fairform render cage.obj surface.ply -o pair.png --flat=1 --wireframe=1")]
 pub(crate) struct Render {
     /// Meshes to draw, one panel each.
     #[arg(required = true, value_name = "IN")]
@@ -257,18 +258,18 @@ pub(crate) struct Render {
     /// Magnify.
     #[arg(long, default_value_t = 1.0, value_parser = positive)]
     pub(crate) zoom: f64,
-    /// Draw the edges.
-    #[arg(long)]
-    pub(crate) wireframe: bool,
-    /// Draw the vertices.
-    #[arg(long)]
-    pub(crate) points: bool,
-    /// Draw the boundary in red.
-    #[arg(long)]
-    pub(crate) boundary: bool,
-    /// One shade per face.
-    #[arg(long)]
-    pub(crate) flat: bool,
+    /// Draw the edges; in some panels only with =1,3.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "all", value_name = "PANELS", value_parser = panels)]
+    pub(crate) wireframe: Option<Panels>,
+    /// Draw the vertices; in some panels only with =1,3.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "all", value_name = "PANELS", value_parser = panels)]
+    pub(crate) points: Option<Panels>,
+    /// Draw the boundary in red; in some panels only with =1,3.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "all", value_name = "PANELS", value_parser = panels)]
+    pub(crate) boundary: Option<Panels>,
+    /// One shade per face; in some panels only with =1,3.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "all", value_name = "PANELS", value_parser = panels)]
+    pub(crate) flat: Option<Panels>,
     /// A line of text below each panel, in order; repeat it for each.
     #[arg(long, value_name = "TEXT")]
     pub(crate) title: Vec<String>,
@@ -278,6 +279,25 @@ pub(crate) struct Render {
     /// Fit the camera to each panel alone, not to all of them.
     #[arg(long)]
     pub(crate) separate: bool,
+}
+
+/// Which panels of a picture.
+#[derive(Clone, Debug)]
+pub(crate) enum Panels {
+    All,
+    /// Counted from 1.
+    Some(Vec<usize>),
+}
+
+impl Panels {
+    /// Whether panel `i`, counted from 0, is one of them.
+    pub(crate) fn has(choice: Option<&Self>, i: usize) -> bool {
+        match choice {
+            None => false,
+            Some(Self::All) => true,
+            Some(Self::Some(panels)) => panels.contains(&(i + 1)),
+        }
+    }
 }
 
 /// A mesh to read.
@@ -354,6 +374,15 @@ fn not_negative(text: &str) -> Result<f64, String> {
 fn number(text: &str, ok: fn(f64) -> bool, expected: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|x: &f64| x.is_finite() && ok(*x));
     number.ok_or_else(|| format!("expected {expected}"))
+}
+
+fn panels(text: &str) -> Result<Panels, String> {
+    if text == "all" {
+        return Ok(Panels::All);
+    }
+    let panel = |one: &str| one.trim().parse().ok().filter(|&n: &usize| n > 0);
+    let panels = text.split(',').map(panel).collect::<Option<_>>();
+    panels.map(Panels::Some).ok_or_else(|| "expected panel numbers from 1, as in 1,3".into())
 }
 
 fn size(text: &str) -> Result<(u32, u32), String> {

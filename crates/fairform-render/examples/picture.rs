@@ -59,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn read(path: &String) -> Result<(Vec<Vec3>, Faces), Box<dyn Error>> {
     let text = std::fs::read_to_string(path)?;
     let (mut positions, mut faces) = (Vec::new(), Faces::new());
-    if path.ends_with(".off") {
+    if Path::new(path).extension().is_some_and(|e| e == "off") {
         let lines = text.lines().map(|l| l.split('#').next().unwrap_or_default());
         let mut words = lines.flat_map(str::split_whitespace).filter(|w| *w != "OFF");
         let mut next = || words.next().ok_or("the file ends too early");

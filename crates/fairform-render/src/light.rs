@@ -116,7 +116,7 @@ fn lamps(up: Vec3f) -> Vec<Lamp> {
         let (c, s) = on_circle(i);
         let towards = to_f32(Vec3::new(r * c, z, r * s));
         let height = 0.5 + 0.5 * dot(up, towards);
-        let (low, high) = ([0.19, 0.175, 0.165], [0.42, 0.45, 0.50]);
+        let (low, high) = ([0.19, 0.175, 0.165], [0.38, 0.405, 0.45]);
         // A surface under an even sky gets a quarter of what its lamps give in all.
         let share = 4.0 / SKY as f32;
         let light = std::array::from_fn(|k: usize| share * (low[k] + height * (high[k] - low[k])));
@@ -132,7 +132,7 @@ fn lamps(up: Vec3f) -> Vec<Lamp> {
             lamps.push(Lamp { towards, light: light.map(|l| l / count as f32), is_key });
         }
     };
-    disc(key_direction(), 0.16, KEY, [0.86, 0.83, 0.78], true);
+    disc(key_direction(), 0.16, KEY, [0.80, 0.775, 0.73], true);
     disc(Vec3::new(0.85, 0.1, -0.6).normalized(), 0.35, FILL, [0.10, 0.105, 0.115], false);
     disc(Vec3::new(0.35, 0.6, 0.9).normalized(), 0.25, RIM, [0.26, 0.27, 0.29], false);
     lamps
@@ -166,6 +166,8 @@ struct Map {
 
 impl Map {
     const SIZE: f64 = 160.0;
+    /// Texels to look at in all.
+    const WORK: f64 = 3e6;
     /// Texels around the scene that nothing covers.
     const BORDER: f64 = 2.0;
 
@@ -186,7 +188,14 @@ impl Map {
             }
         }
         let side = (high[0] - low[0]).max(high[1] - low[1]).max(1e-9);
-        let scale = (Self::SIZE * if lamp.is_key { 3.0 } else { 1.0 }) / side;
+        let wanted = (Self::SIZE * if lamp.is_key { 3.0 } else { 1.0 }) / side;
+        let extent = |t: &[u32; 3], k: usize| {
+            let [a, b, c] = t.map(|c| places[c as usize][k]);
+            a.max(b).max(c) - a.min(b).min(c)
+        };
+        let area: f64 = casters.iter().map(|t| extent(t, 0) * extent(t, 1)).sum();
+        // Coarser where the scene is many large triangles, one behind the other.
+        let scale = wanted.min((Self::WORK / area).sqrt()).max(16.0 / side);
         let origin = low.map(|l| l * scale - Self::BORDER);
         #[expect(clippy::cast_sign_loss, reason = "high is not below low")]
         let [width, height] =

@@ -193,11 +193,20 @@ impl Tile {
 
     /// From near to far, so that the far ones can be left out once all is covered.
     fn draw_triangles(&mut self, scene: &Scene, triangles: &[u32]) {
+        let (left, top) = (self.left as f64, self.top as f64);
+        let (right, bottom) = (left + self.width as f64, top + self.height as f64);
+        let corners = [[left, top], [right, top], [left, bottom], [right, bottom]];
         let mut order: Vec<(f32, u32)> = triangles
             .iter()
-            .map(|&t| {
-                let near = scene.triangles[t as usize].corners.map(|c| scene.screen[c as usize][2]);
-                (near[0].max(near[1]).max(near[2]) as f32, t)
+            .filter_map(|&t| {
+                let setup = Setup::new(scene, t as usize)?;
+                let most =
+                    |f| corners.map(|[x, y]| value(f, x, y)).into_iter().fold(f64::MIN, f64::max);
+                let passes_by = setup.edges.into_iter().any(|edge| most(edge) < 0.0);
+                let [a, b, c] = setup.corners.map(|p| p[2]);
+                // The nearest that it can be in the tile.
+                let near = a.max(b).max(c).min(most(setup.depth_plane()).max(a.min(b).min(c)));
+                (!passes_by).then_some((near as f32, t))
             })
             .collect();
         order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -262,6 +271,7 @@ impl Tile {
                 let near_middle = value(plane, x, y) as f32;
                 let at = row * self.width + column;
                 let (near, ids) = (&mut self.near[at], &mut self.id[at]);
+                #[expect(clippy::needless_bitwise_bool, reason = "all samples at once")]
                 for k in 0..SAMPLES {
                     let inside = (middle[0] + edge_steps[0][k] >= 0.0)
                         & (middle[1] + edge_steps[1][k] >= 0.0)

@@ -47,7 +47,7 @@ impl Default for Options {
 
 /// A picture of panels side by side, `size` pixels wide and high.
 ///
-/// Takes time with the number of triangles and of pixels, about a second for 10⁵ triangles and
+/// Takes time with the number of triangles and of pixels, about 1.6 s for 10⁵ triangles and
 /// 10⁶ pixels on one core, and memory with both.
 ///
 /// # Errors

@@ -15,7 +15,7 @@ use crate::rules::{BoundaryKinds, boundary_neighbours};
 use crate::scheme::loop_scheme::{BoundaryKind, boundary_scale};
 use crate::scheme::{Corners, Scheme};
 use crate::solve::{Interval, LinearOperator, Outcome, Report, Step, Stop};
-use crate::{Mesh, Topology, Vec3, par, solve};
+use crate::{Mesh, Topology, Vec3, order, par, solve};
 
 /// How control points are found. All methods have the same answer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -478,11 +478,10 @@ fn boundary_stage(kinds: BoundaryKinds<'_>, boundary: &[u32], corners: &[u32]) -
 }
 
 fn ring_stage(topology: &Topology, name: StageName, interior: Vec<u32>, known: &[u32]) -> Stage {
-    let mut vertices = interior;
+    let mut vertices = order::by_locality(topology, interior);
     let n = vertices.len();
     vertices.extend(known);
-    let all = n == topology.vertex_count();
-    let local = if all { Vec::new() } else { numbering(topology.vertex_count(), &vertices) };
+    let local = numbering(topology.vertex_count(), &vertices);
     let mut start = Vec::with_capacity(n + 1);
     let mut end = 0;
     start.push(end);
@@ -494,10 +493,8 @@ fn ring_stage(topology: &Topology, name: StageName, interior: Vec<u32>, known: &
     let mut nothing = alloc::vec![(); end as usize];
     par::fill_row_blocks(&start, &mut neighbour, &mut nothing, &|rows, block, _: &mut [()]| {
         topology.rings(vertices[rows].iter().map(|&v| VertexId(v)), block);
-        if !all {
-            for q in block {
-                *q = local[*q as usize];
-            }
+        for q in block {
+            *q = local[*q as usize];
         }
     });
     let operator = StageOperator::Ring(RingOperator::new(start, neighbour));

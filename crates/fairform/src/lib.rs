@@ -37,6 +37,7 @@ pub mod stencil;
 pub mod topology;
 pub mod vec3;
 
+mod order;
 mod par;
 mod rules;
 

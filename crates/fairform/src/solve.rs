@@ -73,8 +73,8 @@ pub struct Report {
     pub history: Vec<Step>,
     /// How it ended.
     pub outcome: Outcome,
-    /// Number of updates expected beforehand from the first residual and the bounds of the
-    /// spectrum; an upper estimate. `None` without a tolerance.
+    /// Number of updates to expect from the first residual and the bounds of the spectrum. Mostly
+    /// fewer are needed, since the data excite the slow modes little. `None` without a tolerance.
     pub predicted: Option<u32>,
 }
 
@@ -138,13 +138,14 @@ impl<'a, 'o> Progress<'a, 'o> {
         })
     }
 
-    /// Updates needed at a contraction per update, from the first residual.
-    fn predict(&self, contraction: f64) -> Option<u32> {
+    /// Updates needed when `k` of them leave `constant * contraction^k` of the first residual.
+    fn predict(&self, constant: f64, contraction: f64) -> Option<u32> {
         let (tolerance, first) = (self.stop.tolerance?, self.history.first()?.max);
         if first <= tolerance {
             return Some(0);
         }
-        let updates = libm::ceil(libm::log(tolerance / first) / libm::log(contraction));
+        let updates =
+            libm::ceil(libm::log(tolerance / (constant * first)) / libm::log(contraction));
         // A float out of range is clamped by the cast.
         Some(updates as u32)
     }

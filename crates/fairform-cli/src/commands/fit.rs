@@ -152,8 +152,7 @@ fn tell(
 ) {
     for stage in &report.stages {
         let (last, solve) = (stage.solve.last(), &stage.solve);
-        let predicted =
-            solve.predicted.map_or(String::new(), |k| format!(" (at most {k} expected)"));
+        let predicted = solve.predicted.map_or(String::new(), |k| format!(" (about {k} expected)"));
         console.note(format!(
             "{}: {} vertices, {} iterations{predicted}, {}; error max {:.3e}, mean {:.3e}",
             stage.name,

@@ -7,7 +7,7 @@ use fairform_io::MeshData;
 use fairform_render::{Body, Colour, Dot, Line, Options, Panel, View};
 use serde_json::json;
 
-use crate::args::Render;
+use crate::args::{Panels, Render};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::input;
@@ -44,11 +44,12 @@ fn panel<'a>(args: &Render, i: usize, data: &'a MeshData) -> Panel<'a> {
     let mut body = Body::new(&data.positions, &data.faces);
     body.normals = data.normals.as_deref();
     body.colours = data.colours.as_deref();
-    body.style.smooth = !args.flat;
-    body.style.wireframe = args.wireframe.then(Line::default);
-    body.style.points = args.points.then(Dot::default);
+    let wants = |choice: &Option<Panels>| Panels::has(choice.as_ref(), i);
+    body.style.smooth = !wants(&args.flat);
+    body.style.wireframe = wants(&args.wireframe).then(Line::default);
+    body.style.points = wants(&args.points).then(Dot::default);
     let red = Line { colour: Colour::RED, width: 5.0 };
-    body.style.boundary = args.boundary.then_some(red);
+    body.style.boundary = wants(&args.boundary).then_some(red);
     let title = match args.title.get(i) {
         Some(title) => Some(title.clone()),
         None if args.inputs.len() > 1 => {

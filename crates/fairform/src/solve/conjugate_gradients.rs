@@ -72,7 +72,7 @@ pub fn conjugate_gradients<A: LinearOperator>(
         }
     };
     let root = libm::sqrt(operator.smallest_eigenvalue_bound());
-    let predicted = progress.predict((1.0 - root) / (1.0 + root));
+    let predicted = progress.predict(2.0, (1.0 - root) / (1.0 + root));
     Ok(Report { history: progress.history, outcome, predicted })
 }
 

@@ -37,6 +37,14 @@ pub enum Interval {
 const USUAL_SMALLEST: f64 = 0.2;
 
 impl Interval {
+    /// What stands before the powers of the contraction: 2 for Chebyshev polynomials.
+    fn constant(self) -> f64 {
+        match self {
+            Self::Plain | Self::Weighted { .. } => 1.0,
+            Self::Chebyshev { .. } | Self::Hopeful { .. } => 2.0,
+        }
+    }
+
     /// The factor by which an update shrinks the residual in the long run.
     #[must_use]
     pub fn contraction(self, smallest: f64) -> f64 {
@@ -153,8 +161,8 @@ pub fn stationary<A: LinearOperator>(
         });
         let total = Lengths::total(&blocks, n);
         if let ControlFlow::Break(outcome) = progress.take(updates, total)? {
-            let predicted =
-                progress.predict(interval.contraction(operator.smallest_eigenvalue_bound()));
+            let contraction = interval.contraction(operator.smallest_eigenvalue_bound());
+            let predicted = progress.predict(interval.constant(), contraction);
             return Ok(Report { history: progress.history, outcome, predicted });
         }
         core::mem::swap(x, &mut next);

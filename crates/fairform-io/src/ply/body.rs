@@ -1,0 +1,214 @@
+//! Numbers behind a PLY header: text, or binary in either byte order.
+
+use super::header::{Element, Property, Scalar};
+use crate::error::{ParseError, Place};
+use crate::text::Scanner;
+
+/// How a message begins that says the file ends in a row; how many rows there are is then said too.
+pub(super) const END: &str = "the file ends";
+
+/// Where the numbers come from.
+pub(super) trait Body {
+    /// An error unless what is left can hold the rows of an element.
+    fn check(&self, element: &Element<'_>) -> Result<(), ParseError>;
+    /// Starts a row.
+    fn begin_row(&mut self) {}
+    /// Ends a row.
+    fn end_row(&mut self) -> Result<(), ParseError> {
+        Ok(())
+    }
+    /// Whether nothing is left.
+    fn is_at_end(&mut self) -> bool;
+    /// The next number. Fails at the end.
+    fn number(&mut self, scalar: Scalar) -> Result<f64, ParseError>;
+    /// The next whole number, of a type that is no floating one. Fails at the end.
+    fn integer(&mut self, scalar: Scalar) -> Result<i64, ParseError>;
+    /// The length of the list here. Fails if what is left cannot hold it, or for one below 0.
+    fn length(&mut self, property: &Property<'_>) -> Result<usize, ParseError>;
+    /// Skips so many numbers.
+    fn skip(&mut self, scalar: Scalar, count: usize) -> Result<(), ParseError>;
+    /// Where the next number is.
+    fn offset(&self) -> usize;
+    /// The place of an offset.
+    fn place(&self, offset: usize) -> Place;
+    /// The rows of an element without lists, if they are bytes of one size: those, and the reading
+    /// of one number.
+    fn rows(&mut self, _: &Element<'_>) -> Option<Rows<'_>> {
+        None
+    }
+}
+
+/// The rows of an element as bytes.
+pub(super) struct Rows<'a> {
+    pub(super) bytes: &'a [u8],
+    pub(super) size: usize,
+    pub(super) read: fn(Scalar, &[u8]) -> f64,
+}
+
+pub(super) struct AsciiBody<'a> {
+    pub(super) text: Scanner<'a>,
+}
+
+impl Body for AsciiBody<'_> {
+    fn check(&self, element: &Element<'_>) -> Result<(), ParseError> {
+        // A number takes a byte, and one to part it from the next.
+        let numbers = element.count.saturating_mul(element.properties.len() as u64);
+        if numbers > (self.text.remaining() as u64).div_ceil(2) {
+            // Count what is there, to say it.
+            let mut text = self.text;
+            let mut rows = 0_u64;
+            text.skip_space();
+            while !text.is_at_end() && rows < element.count {
+                text.skip_line();
+                text.skip_space();
+                rows += 1;
+            }
+            let declared = element.counted(element.count);
+            let message = format!("the file declares {declared} and ends after {rows}");
+            return Err(text.error(message));
+        }
+        Ok(())
+    }
+
+    fn begin_row(&mut self) {
+        self.text.skip_space();
+    }
+
+    fn end_row(&mut self) -> Result<(), ParseError> {
+        self.text.skip_blanks();
+        match self.text.peek() {
+            None | Some(b'\n' | b'\r') => Ok(()),
+            _ => Err(self.text.unexpected("the end of the line")),
+        }
+    }
+
+    fn is_at_end(&mut self) -> bool {
+        self.text.skip_space();
+        self.text.is_at_end()
+    }
+
+    fn number(&mut self, _: Scalar) -> Result<f64, ParseError> {
+        self.text.skip_space();
+        self.text.number()
+    }
+
+    fn integer(&mut self, _: Scalar) -> Result<i64, ParseError> {
+        self.text.skip_space();
+        self.text.integer("a whole number")
+    }
+
+    fn length(&mut self, _: &Property<'_>) -> Result<usize, ParseError> {
+        self.text.skip_space();
+        let at = self.text.at;
+        let length = self.text.count("the length of a list")?;
+        if length > (self.text.remaining() as u64).div_ceil(2) {
+            let message = format!("{END}, too soon for a list of {length} numbers");
+            return Err(self.text.error_at(at, message));
+        }
+        Ok(length as usize)
+    }
+
+    fn skip(&mut self, _: Scalar, count: usize) -> Result<(), ParseError> {
+        for _ in 0..count {
+            self.text.skip_space();
+            if self.text.word().is_empty() {
+                return Err(self.text.unexpected("a number"));
+            }
+        }
+        Ok(())
+    }
+
+    fn offset(&self) -> usize {
+        self.text.at
+    }
+
+    fn place(&self, offset: usize) -> Place {
+        Place::Line(self.text.line_of(offset))
+    }
+}
+
+pub(super) struct BinaryBody<'a, const BIG: bool> {
+    pub(super) bytes: &'a [u8],
+    pub(super) at: usize,
+}
+
+impl<'a, const BIG: bool> BinaryBody<'a, BIG> {
+    fn next(&mut self, scalar: Scalar) -> Result<&'a [u8], ParseError> {
+        match self.bytes.get(self.at..self.at + scalar.size()) {
+            Some(bytes) => {
+                self.at += scalar.size();
+                Ok(bytes)
+            }
+            None => Err(ParseError::byte(self.at, END)),
+        }
+    }
+}
+
+impl<const BIG: bool> Body for BinaryBody<'_, BIG> {
+    fn check(&self, element: &Element<'_>) -> Result<(), ParseError> {
+        let size = element.least_size();
+        let left = self.bytes.len() - self.at;
+        // With lists the rows differ, and where the file ends shows on the way; but not even the
+        // shortest rows may be more than the bytes.
+        if size > 0 && element.count > (left / size) as u64 && !element.has_lists() {
+            let (declared, n) = (element.counted(element.count), left / size);
+            let message = format!("the file declares {declared} and ends after {n}");
+            return Err(ParseError::byte(self.bytes.len(), message));
+        }
+        Ok(())
+    }
+
+    fn is_at_end(&mut self) -> bool {
+        self.at >= self.bytes.len()
+    }
+
+    fn number(&mut self, scalar: Scalar) -> Result<f64, ParseError> {
+        Ok(scalar.read::<BIG>(self.next(scalar)?))
+    }
+
+    fn integer(&mut self, scalar: Scalar) -> Result<i64, ParseError> {
+        Ok(scalar.read_integer::<BIG>(self.next(scalar)?))
+    }
+
+    fn length(&mut self, property: &Property<'_>) -> Result<usize, ParseError> {
+        let at = self.at;
+        let length = self.integer(property.count.unwrap_or(Scalar::U8))?;
+        let left = (self.bytes.len() - self.at) / property.scalar.size();
+        match usize::try_from(length) {
+            Ok(length) if length <= left => Ok(length),
+            Ok(length) => {
+                let message = format!("{END}, and holds {left} of the {length} numbers of a list");
+                Err(ParseError::byte(at, message))
+            }
+            Err(_) => Err(ParseError::byte(at, format!("a list of {length} numbers"))),
+        }
+    }
+
+    fn skip(&mut self, scalar: Scalar, count: usize) -> Result<(), ParseError> {
+        let left = (self.bytes.len() - self.at) / scalar.size();
+        if count > left {
+            return Err(ParseError::byte(self.bytes.len(), END));
+        }
+        self.at += count * scalar.size();
+        Ok(())
+    }
+
+    fn offset(&self) -> usize {
+        self.at
+    }
+
+    fn place(&self, offset: usize) -> Place {
+        Place::Byte(offset as u64)
+    }
+
+    fn rows(&mut self, element: &Element<'_>) -> Option<Rows<'_>> {
+        let size = element.least_size();
+        if element.has_lists() || size == 0 {
+            return None;
+        }
+        let length = usize::try_from(element.count).ok()?.checked_mul(size)?;
+        let bytes = self.bytes.get(self.at..self.at.checked_add(length)?)?;
+        self.at += length;
+        Some(Rows { bytes, size, read: Scalar::read::<BIG> })
+    }
+}
