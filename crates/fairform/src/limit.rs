@@ -62,8 +62,7 @@ pub fn limit_points(
 /// counter-clockwise faces; zero at isolated vertices and where the tangents are parallel.
 ///
 /// At a boundary vertex with two faces the limit surface has no unique normal; there the result is
-/// that of the convention of
-/// [`inward_tangent_weight`](crate::scheme::loop_scheme::inward_tangent_weight).
+/// that of the convention of [`inward_tangent_weight`].
 ///
 /// # Errors
 /// As [`Scheme::check`].
