@@ -9,7 +9,7 @@ use crate::scheme::loop_scheme::{
     BoundaryKind, inward_tangent_centre_weight, inward_tangent_weight, tangent_weights,
 };
 use crate::scheme::{Corners, Scheme};
-use crate::{Stencils, Topology, Vec3, par};
+use crate::{Stencils, Topology, Vec3};
 
 pub(crate) mod operator;
 
@@ -53,15 +53,16 @@ pub fn limit_points(
     assert_eq!(points.len(), topology.vertex_count(), "one point per vertex");
     scheme.check(topology)?;
     let rule = VertexRule::limit(topology, corners);
-    Ok(par::collect(points.len(), |v| rule.apply(VertexId(v as u32), points)))
+    let mut limit = alloc::vec![Vec3::ZERO; points.len()];
+    topology.fill_by_ring(&mut limit, |v, ring| rule.apply(v, ring, points));
+    Ok(limit)
 }
 
 /// The unit normals of the limit surface at the limit points of all vertices, outwards for
 /// counter-clockwise faces; zero at isolated vertices and where the tangents are parallel.
 ///
 /// At a boundary vertex with two faces the limit surface has no unique normal; there the result is
-/// that of the convention of
-/// [`inward_tangent_weight`](crate::scheme::loop_scheme::inward_tangent_weight).
+/// that of the convention of [`inward_tangent_weight`].
 ///
 /// # Errors
 /// As [`Scheme::check`].
@@ -81,11 +82,13 @@ pub fn limit_normals(
         points,
         ring_weights: RingTangents::new(topology),
     };
-    Ok(par::collect(points.len(), |i| {
-        let [along, across] = tangents.at(VertexId(i as u32));
+    let mut normals = alloc::vec![Vec3::ZERO; points.len()];
+    topology.fill_by_ring(&mut normals, |v, ring| {
+        let [along, across] = tangents.at(v, ring);
         // Tangents of tiny or huge meshes are scaled first, so that no product under- or overflows.
         along.normalized().cross(across.normalized()).normalized()
-    }))
+    });
+    Ok(normals)
 }
 
 /// Two tangents of the limit surface at the limit point of every vertex; their vector product
@@ -109,7 +112,9 @@ pub fn limit_tangents(
         points,
         ring_weights: RingTangents::new(topology),
     };
-    Ok(par::collect(points.len(), |i| tangents.at(VertexId(i as u32))))
+    let mut out = alloc::vec![[Vec3::ZERO; 2]; points.len()];
+    topology.fill_by_ring(&mut out, |v, ring| tangents.at(v, ring));
+    Ok(out)
 }
 
 struct Tangents<'a> {
@@ -119,10 +124,10 @@ struct Tangents<'a> {
 }
 
 impl Tangents<'_> {
-    fn at(&self, v: VertexId) -> [Vec3; 2] {
+    fn at(&self, v: VertexId, ring: &[u32]) -> [Vec3; 2] {
         let topology = self.kinds.topology;
         match self.kinds.of(v) {
-            None => self.interior(v, topology.fan_size(v)),
+            None => self.interior(ring),
             Some(BoundaryKind::Corner) => {
                 let (last, first) = boundary_neighbours(topology, v);
                 let here = self.points[v.index()];
@@ -132,11 +137,11 @@ impl Tangents<'_> {
         }
     }
 
-    fn interior(&self, v: VertexId, n: u32) -> [Vec3; 2] {
+    fn interior(&self, ring: &[u32]) -> [Vec3; 2] {
         let mut t = [Vec3::ZERO; 2];
-        for (i, q) in self.kinds.topology.ring(v).enumerate() {
-            let q = self.points[q.index()];
-            let [c, s] = self.ring_weights.get(n, i as u32);
+        for (i, &q) in ring.iter().enumerate() {
+            let q = self.points[q as usize];
+            let [c, s] = self.ring_weights.get(ring.len() as u32, i as u32);
             t[0] += c * q;
             t[1] += s * q;
         }

@@ -68,11 +68,10 @@ impl<'t> VertexRule<'t> {
         }
     }
 
-    /// The row of a vertex, applied.
-    pub(crate) fn apply(&self, v: VertexId, points: &[Vec3]) -> Vec3 {
+    /// The row of a vertex, applied; `ring` is that of the vertex.
+    pub(crate) fn apply(&self, v: VertexId, ring: &[u32], points: &[Vec3]) -> Vec3 {
         let topology = self.kinds.topology;
         let here = points[v.index()];
-        let n = topology.fan_size(v) as usize;
         if topology.is_boundary(v) {
             if self.kinds.of(v) == Some(BoundaryKind::Corner) {
                 return here;
@@ -81,12 +80,12 @@ impl<'t> VertexRule<'t> {
             let [c, l, r] = (self.boundary)(self.kinds, v);
             return c * here + l * points[left.index()] + r * points[right.index()];
         }
-        if n == 0 {
+        if ring.is_empty() {
             return here;
         }
-        let sum: Vec3 = topology.ring(v).map(|q| points[q.index()]).sum();
-        let centre = self.centre[n];
-        centre * here + ((1.0 - centre) / n as f64) * sum
+        let sum: Vec3 = ring.iter().map(|&q| points[q as usize]).sum();
+        let centre = self.centre[ring.len()];
+        centre * here + ((1.0 - centre) / ring.len() as f64) * sum
     }
 }
 

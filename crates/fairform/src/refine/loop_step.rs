@@ -164,7 +164,7 @@ pub(super) fn apply(topology: &Topology, corners: Corners, values: &[Vec3]) -> V
     let rule = VertexRule::refined(topology, corners);
     let old = topology.vertex_count();
     let mut finer = alloc::vec![Vec3::ZERO; old + topology.edge_count()];
-    par::fill(&mut finer[..old], |v| rule.apply(VertexId(v as u32), values));
+    topology.fill_by_ring(&mut finer[..old], |v, ring| rule.apply(v, ring, values));
     par::fill(&mut finer[old..], |e| {
         let h = topology.edge_halfedge(EdgeId(e as u32));
         let (a, b) = (topology.origin(h), topology.target(h));
