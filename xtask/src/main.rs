@@ -1,2 +1,47 @@
-//! Checks of the project: `cargo xtask help` lists them.
-fn main() {}
+//! The chores of the project: `cargo xtask help` lists them. Needs nothing but Rust.
+
+use std::process::ExitCode;
+
+mod bench;
+mod check;
+mod command;
+mod fuzz;
+mod guide;
+mod machine;
+mod new_user;
+mod test;
+
+const HELP: &str = "\
+cargo xtask test                    all tests: unit, integration, documentation, the kernel without
+                                    threads, and the main job as a new user does it
+cargo xtask check                   formatting, lints, documentation, and all tests
+cargo xtask bench [--write]         how fast each step is on this machine, beside what its memory
+                                    allows; --write makes docs/performance.md of it
+cargo xtask fuzz [SECONDS] [TARGET] every fuzz target, or one, for so long each [30]
+cargo xtask guide                   the pictures of the guide, anew
+cargo xtask help                    this";
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let args: Vec<&str> = args.iter().map(String::as_str).collect();
+    let done = match args.as_slice() {
+        ["test"] => test::run(),
+        ["check"] => check::run(),
+        ["bench"] => bench::run(false),
+        ["bench", "--write"] => bench::run(true),
+        ["fuzz", rest @ ..] => fuzz::run(rest),
+        ["guide"] => guide::run(),
+        [] | ["help" | "--help" | "-h"] => {
+            println!("{HELP}");
+            Ok(())
+        }
+        _ => Err(format!("no such task: {}\n\n{HELP}", args.join(" "))),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(why) => {
+            eprintln!("\nfailed: {why}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -635,9 +635,10 @@ fn ring_stage(topology: &Topology, name: StageName, interior: Vec<u32>, known: &
     }
     let mut neighbour = alloc::vec![0; end as usize];
     let mut nothing = alloc::vec![(); end as usize];
-    par::fill_rows(&start, &mut neighbour, &mut nothing, &|i, row, _| {
-        for (slot, q) in row.iter_mut().zip(topology.ring(VertexId(vertices[i]))) {
-            *slot = local[q.index()];
+    par::fill_row_blocks(&start, &mut neighbour, &mut nothing, &|rows, block, _: &mut [()]| {
+        topology.rings(vertices[rows].iter().map(|&v| VertexId(v)), block);
+        for q in block {
+            *q = local[*q as usize];
         }
     });
     let operator = StageOperator::Ring(RingOperator::new(start, neighbour));

@@ -160,6 +160,22 @@ impl Rows for LimitRows<'_> {
         self.sharp.topology.vertex_count()
     }
 
+    fn by_ring(&self) -> Option<&Topology> {
+        let plain = self.rules.scheme == Scheme::Loop && self.sharp.creases.is_none();
+        plain.then_some(self.sharp.topology)
+    }
+
+    #[inline]
+    fn visit_vertex(&self, v: VertexId, ring: &[u32], mut entry: impl FnMut(u32, f64)) {
+        if ring.is_empty() || self.sharp.topology.is_boundary(v) {
+            return self.visit(v.index(), entry);
+        }
+        let own = self.centre[ring.len()];
+        entry(v.0, own);
+        let each = (1.0 - own) / ring.len() as f64;
+        ring.iter().for_each(|&q| entry(q, each));
+    }
+
     #[inline]
     fn visit(&self, row: usize, mut entry: impl FnMut(u32, f64)) {
         let v = VertexId(row as u32);

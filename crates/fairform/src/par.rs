@@ -118,34 +118,45 @@ pub(crate) fn fill_rows<T: Send, U: Send>(
     b: &mut [U],
     f: &(impl Fn(usize, &mut [T], &mut [U]) + Sync),
 ) {
-    fill_rows_from(0, start, a, b, f);
+    fill_row_blocks(start, a, b, &|rows: Range<usize>, mut a: &mut [T], mut b: &mut [U]| {
+        for row in rows {
+            let len = (start[row + 1] - start[row]) as usize;
+            let (row_a, rest_a) = a.split_at_mut(len);
+            let (row_b, rest_b) = b.split_at_mut(len);
+            f(row, row_a, row_b);
+            (a, b) = (rest_a, rest_b);
+        }
+    });
 }
 
-fn fill_rows_from<T: Send, U: Send>(
+/// As [`fill_rows`], for many rows at once: `f(rows, rows_of_a, rows_of_b)`.
+pub(crate) fn fill_row_blocks<T: Send, U: Send>(
+    start: &[u32],
+    a: &mut [T],
+    b: &mut [U],
+    f: &(impl Fn(Range<usize>, &mut [T], &mut [U]) + Sync),
+) {
+    fill_row_blocks_from(0, start, a, b, f);
+}
+
+fn fill_row_blocks_from<T: Send, U: Send>(
     first: usize,
     start: &[u32],
     a: &mut [T],
     b: &mut [U],
-    f: &(impl Fn(usize, &mut [T], &mut [U]) + Sync),
+    f: &(impl Fn(Range<usize>, &mut [T], &mut [U]) + Sync),
 ) {
     let rows = start.len() - 1;
     if rows <= BLOCK {
-        let (mut a, mut b) = (a, b);
-        for row in 0..rows {
-            let len = (start[row + 1] - start[row]) as usize;
-            let (row_a, rest_a) = a.split_at_mut(len);
-            let (row_b, rest_b) = b.split_at_mut(len);
-            f(first + row, row_a, row_b);
-            (a, b) = (rest_a, rest_b);
-        }
+        f(first..first + rows, a, b);
         return;
     }
     let middle = rows / 2;
     let cut = (start[middle] - start[0]) as usize;
     let (a0, a1) = a.split_at_mut(cut);
     let (b0, b1) = b.split_at_mut(cut);
-    let lower = || fill_rows_from(first, &start[..=middle], a0, b0, f);
-    let upper = || fill_rows_from(first + middle, &start[middle..], a1, b1, f);
+    let lower = || fill_row_blocks_from(first, &start[..=middle], a0, b0, f);
+    let upper = || fill_row_blocks_from(first + middle, &start[middle..], a1, b1, f);
     join(lower, upper);
 }
 

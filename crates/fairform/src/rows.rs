@@ -2,7 +2,8 @@
 
 use alloc::vec::Vec;
 
-use crate::{Stencils, Vec3, par};
+use crate::ids::VertexId;
+use crate::{Stencils, Topology, Vec3, par};
 
 /// A rule that makes one value after the other, each a weighted sum of given ones. It can be applied
 /// at once, or written out.
@@ -12,16 +13,37 @@ pub(crate) trait Rows: Sync {
 
     /// Tells the entries of a row, `(source, weight)`; a source may come several times.
     fn visit(&self, row: usize, entry: impl FnMut(u32, f64));
+
+    /// The topology whose vertices the first rows belong to, if it helps to know their rings.
+    fn by_ring(&self) -> Option<&Topology> {
+        None
+    }
+
+    /// [`visit`](Self::visit) for the row of a vertex whose ring is known.
+    fn visit_vertex(&self, v: VertexId, _ring: &[u32], entry: impl FnMut(u32, f64)) {
+        self.visit(v.index(), entry);
+    }
 }
 
 /// The weighted sums of all rows. One thread gathers a whole row, in row order, so the bits do not
 /// depend on how many run.
 pub(crate) fn apply(rows: &impl Rows, values: &[Vec3]) -> Vec<Vec3> {
-    par::collect(rows.len(), |row| {
+    let mut out = alloc::vec![Vec3::ZERO; rows.len()];
+    let mut first = 0;
+    if let Some(topology) = rows.by_ring() {
+        first = topology.vertex_count();
+        topology.fill_by_ring(&mut out[..first], |v, ring| {
+            let mut sum = Vec3::ZERO;
+            rows.visit_vertex(v, ring, |source, weight| sum += weight * values[source as usize]);
+            sum
+        });
+    }
+    par::fill(&mut out[first..], |row| {
         let mut sum = Vec3::ZERO;
-        rows.visit(row, |source, weight| sum += weight * values[source as usize]);
+        rows.visit(first + row, |source, weight| sum += weight * values[source as usize]);
         sum
-    })
+    });
+    out
 }
 
 /// The rows written out, each source once, in the order of its first entry.

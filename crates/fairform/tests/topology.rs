@@ -71,7 +71,7 @@ fn bow_ties_are_named() {
 #[test]
 fn all_defects_are_found_at_once() {
     let list = [[0, 1, 2], [3, 4, 4], [5, 6, 7], [5, 8, 9], [10, 11, 12], [10, 11, 13]];
-    let found = defects(14, &list.each_ref().map(|f| f.as_slice()));
+    let found = defects(14, &list.each_ref().map(<[u32; 3]>::as_slice));
     assert_eq!(found.len(), 3, "{found:?}");
     assert!(matches!(found[0], Defect::RepeatedCorner { face: FaceId(1), .. }));
     assert!(matches!(found[1], Defect::InconsistentOrientation { from: VertexId(10), .. }));
@@ -117,7 +117,8 @@ fn no_faces_and_no_vertices_are_fine() {
 fn loops_components_and_genus() {
     let counts = |mesh: &Mesh| {
         let components = mesh.topology().components().list;
-        let genus: Vec<usize> = components.iter().map(|c| c.genus()).collect();
+        let genus: Vec<usize> =
+            components.iter().map(fairform::topology::Component::genus).collect();
         (mesh.topology().boundary_loops().len(), genus)
     };
     assert_eq!(counts(&shapes::torus(4, 5)), (0, vec![1]));

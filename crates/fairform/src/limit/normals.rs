@@ -14,7 +14,7 @@ use crate::scheme::loop_scheme::{
     inward_tangent_centre_weight, inward_tangent_weight, tangent_weights,
 };
 use crate::scheme::{Rules, Scheme, catmull_clark};
-use crate::{Topology, Vec3, par};
+use crate::{Topology, Vec3};
 
 /// The unit normals of the limit surface at the limit points of all vertices, outwards for
 /// counter-clockwise faces; zero at isolated vertices and where the tangents are parallel.
@@ -35,14 +35,16 @@ pub fn limit_normals(
     rules: &Rules,
 ) -> Result<Vec<Vec3>, Error> {
     let tangents = Tangents::new(topology, points, rules)?;
-    Ok(par::collect(points.len(), |i| {
+    let mut normals = alloc::vec![Vec3::ZERO; points.len()];
+    topology.fill_by_ring(&mut normals, |v, ring| {
         let mut normal = Vec3::ZERO;
-        tangents.at(VertexId(i as u32), |[along, across]| {
+        tangents.at(v, ring, |[along, across]| {
             // Scaled first, so that no product of tiny or huge tangents under- or overflows.
             normal += along.normalized().cross(across.normalized()).normalized();
         });
         normal.normalized()
-    }))
+    });
+    Ok(normals)
 }
 
 /// Two tangents of the limit surface at the limit point of every vertex; their vector product
@@ -59,13 +61,15 @@ pub fn limit_tangents(
     rules: &Rules,
 ) -> Result<Vec<[Vec3; 2]>, Error> {
     let tangents = Tangents::new(topology, points, rules)?;
-    Ok(par::collect(points.len(), |i| {
+    let mut out = alloc::vec![[Vec3::ZERO; 2]; points.len()];
+    topology.fill_by_ring(&mut out, |v, ring| {
         let mut first = None;
-        tangents.at(VertexId(i as u32), |t| {
+        tangents.at(v, ring, |t| {
             first.get_or_insert(t);
         });
         first.unwrap_or_default()
-    }))
+    });
+    Ok(out)
 }
 
 struct Tangents<'a> {
@@ -73,6 +77,8 @@ struct Tangents<'a> {
     rules: &'a Rules,
     points: &'a [Vec3],
     images: Option<DooSabinRows<'a>>,
+    /// Loop: tangent weights of all ring places, for the usual valences.
+    weights: Vec<Vec<[f64; 2]>>,
 }
 
 impl<'a> Tangents<'a> {
@@ -80,11 +86,13 @@ impl<'a> Tangents<'a> {
         assert_eq!(points.len(), topology.vertex_count(), "one point per vertex");
         super::check(topology, rules)?;
         let images = (rules.scheme == Scheme::DooSabin).then(|| DooSabinRows::new(topology, rules));
-        Ok(Self { sharp: rules.sharpness(topology), rules, points, images })
+        let row = |n: u32| (0..n).map(|i| tangent_weights(n, i)).collect();
+        let weights = (0..=64).map(row).collect();
+        Ok(Self { sharp: rules.sharpness(topology), rules, points, images, weights })
     }
 
     /// The tangents at a vertex, for each of its sectors between sharp edges.
-    fn at(&self, v: VertexId, mut found: impl FnMut([Vec3; 2])) {
+    fn at(&self, v: VertexId, around: &[u32], mut found: impl FnMut([Vec3; 2])) {
         let topology = self.sharp.topology;
         if topology.is_isolated(v) {
             return;
@@ -97,10 +105,10 @@ impl<'a> Tangents<'a> {
             && self.rules.creases.is_none()
             && !topology.is_boundary(v)
         {
-            return found(ring(topology.ring(v).map(point), topology.fan_size(v)));
+            return found(self.ring(around));
         }
         let mut values = alloc::vec![point(v)];
-        values.extend(topology.ring(v).map(point));
+        values.extend(around.iter().map(|&q| self.points[q as usize]));
         if self.rules.scheme == Scheme::CatmullClark {
             values.extend(topology.fan(v).map(|h| {
                 let corners = topology.face_vertices(topology.face(h));
@@ -128,6 +136,19 @@ impl<'a> Tangents<'a> {
                 loop_side(here, count as u32, edge)
             });
         }
+    }
+
+    /// Loop's tangents, with the weights of the usual valences from a table.
+    fn ring(&self, around: &[u32]) -> [Vec3; 2] {
+        let n = around.len() as u32;
+        let table = self.weights.get(around.len());
+        let mut t = [Vec3::ZERO; 2];
+        for (i, &q) in around.iter().enumerate() {
+            let [c, s] = table.map_or_else(|| tangent_weights(n, i as u32), |row| row[i]);
+            t[0] += c * self.points[q as usize];
+            t[1] += s * self.points[q as usize];
+        }
+        t
     }
 
     fn doo_sabin(&self, images: &DooSabinRows<'_>, v: VertexId) -> [Vec3; 2] {

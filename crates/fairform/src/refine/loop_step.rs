@@ -184,9 +184,13 @@ impl<'t> LoopRows<'t> {
         }
     }
 
-    fn vertex(&self, v: VertexId, mut entry: impl FnMut(u32, f64)) {
-        let topology = self.sharp.topology;
-        if topology.is_isolated(v) {
+    fn vertex(
+        &self,
+        v: VertexId,
+        ring: impl ExactSizeIterator<Item = u32> + Clone,
+        mut entry: impl FnMut(u32, f64),
+    ) {
+        if self.sharp.topology.is_isolated(v) {
             return entry(v.0, 1.0);
         }
         for (kind, share) in self.sharp.blend(v).into_iter().filter(|b| b.1 > 0.0) {
@@ -197,11 +201,11 @@ impl<'t> LoopRows<'t> {
                     ends.iter().for_each(|q| entry(q.0, 0.125 * share));
                 }
                 Kind::Smooth => {
-                    let n = topology.fan_size(v);
-                    let ring = self.ring[n as usize];
-                    entry(v.0, (1.0 - ring) * share);
-                    let each = ring / f64::from(n) * share;
-                    topology.ring(v).for_each(|q| entry(q.0, each));
+                    let n = ring.len();
+                    let together = self.ring[n];
+                    entry(v.0, (1.0 - together) * share);
+                    let each = together / n as f64 * share;
+                    ring.clone().for_each(|q| entry(q, each));
                 }
             }
         }
@@ -235,9 +239,23 @@ impl Rows for LoopRows<'_> {
     #[inline]
     fn visit(&self, row: usize, entry: impl FnMut(u32, f64)) {
         match row.checked_sub(self.sharp.topology.vertex_count()) {
-            None => self.vertex(VertexId(row as u32), entry),
+            None => {
+                let v = VertexId(row as u32);
+                let mut ring = alloc::vec![0; self.sharp.topology.valence(v) as usize];
+                self.sharp.topology.rings(core::iter::once(v), &mut ring);
+                self.visit_vertex(v, &ring, entry);
+            }
             Some(e) => self.edge(EdgeId(e as u32), entry),
         }
+    }
+
+    fn by_ring(&self) -> Option<&Topology> {
+        Some(self.sharp.topology)
+    }
+
+    #[inline]
+    fn visit_vertex(&self, v: VertexId, ring: &[u32], entry: impl FnMut(u32, f64)) {
+        self.vertex(v, ring.iter().copied(), entry);
     }
 }
 

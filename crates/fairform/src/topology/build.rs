@@ -6,6 +6,7 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
+use super::rings::TOGETHER;
 use super::{MAX_HALFEDGES, Polygons, Topology};
 use crate::error::{Defect, Defects, Error};
 use crate::ids::{FaceId, NONE, VertexId};
@@ -65,28 +66,39 @@ impl Topology {
 
     /// Vertices whose faces form several fans: walking the one at `outgoing` misses some.
     fn split_vertices(&self, skip: &[bool]) -> Vec<Defect> {
-        let is_split = |v: usize| {
-            let (mut h, fan) = (self.outgoing[v], self.fan[v]);
-            if fan == 0 || skip.get(v) == Some(&true) {
-                return false;
-            }
-            let first = h;
-            for seen in 1..=fan {
-                h = self.twin[self.prev(crate::HalfedgeId(h)).index()];
-                if h == NONE || h == first {
-                    return seen != fan;
-                }
-            }
-            true
-        };
         let found = par::blocks(self.outgoing.len(), |vertices: Range<usize>| {
-            vertices.filter(|&v| is_split(v)).collect::<Vec<_>>()
+            self.split_among(vertices.filter(|&v| self.fan[v] > 0 && skip.get(v) != Some(&true)))
         });
         let split: Vec<usize> = found.into_iter().flatten().collect();
         if split.is_empty() {
             return Vec::new();
         }
         self.count_fans(&split)
+    }
+
+    /// The vertices of which walking one fan misses some faces.
+    fn split_among(&self, mut vertices: impl Iterator<Item = usize>) -> Vec<usize> {
+        let mut split = Vec::new();
+        let mut walks = Vec::with_capacity(TOGETHER);
+        loop {
+            walks.extend(vertices.by_ref().take(TOGETHER).map(|v| (v, self.outgoing[v], 0)));
+            if walks.is_empty() {
+                split.sort_unstable();
+                return split;
+            }
+            while !walks.is_empty() {
+                walks.retain_mut(|(v, at, seen)| {
+                    *at = self.twin[self.prev(crate::HalfedgeId(*at)).index()];
+                    *seen += 1;
+                    let is_round = *at == NONE || *at == self.outgoing[*v];
+                    let is_all = *seen == self.fan[*v];
+                    if is_round != is_all {
+                        split.push(*v);
+                    }
+                    !is_round && !is_all
+                });
+            }
+        }
     }
 
     fn count_fans(&self, split: &[usize]) -> Vec<Defect> {

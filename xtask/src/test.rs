@@ -1,0 +1,21 @@
+//! `cargo xtask test`.
+
+use crate::command::{Result, cargo, step, succeeds};
+use crate::new_user;
+
+pub(crate) fn run() -> Result {
+    let runner: &[&str] = if succeeds(&mut cargo(&["nextest", "--version"])) {
+        &["nextest", "run"]
+    } else {
+        // Documentation is tested in a step of its own.
+        &["test", "--lib", "--bins", "--tests", "--examples"]
+    };
+    let tests = |more: &[&str]| cargo(&[runner, more].concat());
+    step("tests", &mut tests(&["--workspace"]))?;
+    step("tests in the documentation", &mut cargo(&["test", "--workspace", "--doc"]))?;
+    step(
+        "tests of the kernel without threads",
+        &mut tests(&["--package", "fairform", "--no-default-features"]),
+    )?;
+    new_user::run()
+}
