@@ -24,6 +24,7 @@ extern crate alloc;
 
 pub mod error;
 pub mod faces;
+pub mod fairness;
 pub mod ids;
 pub mod interpolate;
 pub mod limit;
