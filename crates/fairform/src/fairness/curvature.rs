@@ -132,7 +132,7 @@ pub(super) fn face_normal(
 }
 
 /// Fewest neighbours that determine the fit well; below it, and on the boundary, a second ring is taken.
-const ENOUGH: usize = 6;
+const ENOUGH: usize = 5;
 
 struct Surface<'a> {
     topology: &'a Topology,
