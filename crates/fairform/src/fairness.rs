@@ -23,15 +23,19 @@
 //! **Bad input.** Nothing here panics for what the numbers are. What is undefined is zero: the
 //! curvature at isolated vertices and where all neighbours coincide, the integrals over faces
 //! without area or with a coordinate that is not finite. What would leave the range of `f64` is
-//! [`f64::MAX`]. Normals that are zero or not finite are replaced by [`vertex_normals`].
+//! [`f64::MAX`]. Normals that are zero or not finite are replaced by
+//! [`fitted_normals`].
 
 mod curvature;
 mod distance;
+mod fit;
 mod frame;
 mod measures;
+mod normals;
 mod undulation;
 
-pub use curvature::{Curvature, curvatures, vertex_normals};
+pub use curvature::{Curvature, curvatures};
 pub use distance::{Deviation, deviation, distances, mutual_deviation, samples};
 pub use measures::{Measures, PERCENTILES, measures};
+pub use normals::{fitted_normals, vertex_normals};
 pub use undulation::{Undulation, undulation};

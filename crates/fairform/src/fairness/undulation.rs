@@ -45,7 +45,7 @@ fn turning(mesh: &Mesh) -> f64 {
     let unit = Unit::of(mesh.positions());
     let point = |v: crate::VertexId| unit.point(mesh.positions()[v.index()]);
     let normals = par::collect(topology.face_count(), |f| {
-        super::curvature::face_normal(topology, FaceId(f as u32), point)
+        super::normals::face_normal(topology, FaceId(f as u32), point)
     });
     let turning = |e: usize| {
         let h = topology.edge_halfedge(EdgeId(e as u32));
