@@ -1,4 +1,4 @@
-//! Curvature at the vertices, by fitting a small polynomial surface to each vertex.
+//! Curvature at the vertices, by fitting the graph of a polynomial round each.
 
 use alloc::vec::Vec;
 
@@ -18,7 +18,7 @@ pub struct Curvature {
     /// turned round. Zero where the curvature is undefined.
     pub directions: [Vec3; 2],
     /// How fast each principal curvature changes along its own direction, per unit of length
-    /// squared: what a surface of minimal curvature variation keeps small \[MoretonSequin1992\].
+    /// squared: what a surface of minimal curvature variation keeps small \[Moreton1992\].
     pub variation: [f64; 2],
 }
 
@@ -45,7 +45,7 @@ impl Curvature {
 /// ```
 ///
 /// whose coefficients come from the heights *and* slopes of the vertices around by least squares:
-/// three equations per neighbour, as \[GoldfeatherInterrante2004\] have it for the third degree.
+/// three equations per neighbour, as \[Goldfeather2004\] have it for the third degree.
 /// Neighbours are the vertices of the faces around, and theirs again on the boundary and where there
 /// are fewer than five. If they do not determine the fourth degree, the third or second is fitted.
 ///
@@ -53,9 +53,12 @@ impl Curvature {
 /// opposite each other. On a mesh of waves with mixed valences, perturbed, 64 edges along a side of
 /// length 2, boundary included, the largest error of `H` is 2·10⁻⁴; with the third degree it is
 /// 4·10⁻³, and 4·10⁻² if tensors of the faces are averaged \[Rusinkiewicz2004\], which is of first
-/// order there. Normals that are only estimates must be of order $`h^3`$ themselves, as those of
-/// [`fitted_normals`], and then the curvature is of order $`h^2`$; with [`vertex_normals`] nothing
-/// converges.
+/// order there. The error of normals that are only estimates is divided by $`h`$: with those of
+/// [`fitted_normals`] the curvature is of order $`h^2`$, at the boundary of order $`h`$, and with
+/// [`vertex_normals`] it does not converge.
+///
+/// The limit surface at an extraordinary vertex may have no curvature; what is found there is that
+/// of the samples around.
 ///
 /// [`vertex_normals`]: super::vertex_normals
 ///

@@ -61,7 +61,11 @@ pub fn mutual_deviation(surface: &Mesh, mesh: &Mesh) -> [Deviation; 2] {
 #[must_use]
 pub fn distances(points: &[Vec3], mesh: &Mesh) -> Vec<f64> {
     let unit = Unit::of(points.iter().chain(mesh.positions()));
-    let tree = Tree::new(triangles(mesh).into_iter().map(|t| t.map(|p| unit.point(p))).collect());
+    let mut triangles = triangles(mesh);
+    for corner in triangles.iter_mut().flatten() {
+        *corner = unit.point(*corner);
+    }
+    let tree = Tree::new(&triangles);
     par::collect(points.len(), |i| match tree.distance(unit.point(points[i])) {
         Some(d) => unit.restore(d, 1),
         None => 0.0,
@@ -126,11 +130,11 @@ struct Node {
 }
 
 impl Tree {
-    fn new(triangles: Vec<[Vec3; 3]>) -> Self {
+    fn new(triangles: &[[Vec3; 3]]) -> Self {
         let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
         let mut nodes = Vec::with_capacity(triangles.len());
         if !order.is_empty() {
-            build(&triangles, &mut order, 0, &mut nodes);
+            build(triangles, &mut order, 0, &mut nodes);
         }
         Self { triangles: order.into_iter().map(|t| triangles[t as usize]).collect(), nodes }
     }

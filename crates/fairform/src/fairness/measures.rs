@@ -37,7 +37,7 @@ pub struct Measures {
     /// $`\int |\nabla H|^2\,dA`$, `L⁻²`, with `H` linear on each triangle.
     pub mean_variation: f64,
     /// $`\int (\partial k_1/\partial e_1)^2 + (\partial k_2/\partial e_2)^2\,dA`$, `L⁻²`: what
-    /// surfaces of minimal curvature variation minimise \[MoretonSequin1992\].
+    /// surfaces of minimal curvature variation minimise \[Moreton1992\].
     pub principal_variation: f64,
     /// The values that `|H|` does not exceed on the shares [`PERCENTILES`] of the area, `L⁻¹`.
     pub mean_percentiles: [f64; 5],
@@ -108,7 +108,8 @@ pub fn measures(topology: &Topology, positions: &[Vec3], curvatures: &[Curvature
 
 fn euler_characteristic(topology: &Topology) -> i64 {
     let vertices = topology.vertex_count() - topology.isolated_count();
-    (vertices + topology.face_count()) as i64 - topology.edge_count() as i64
+    let signed = |count: usize| (count as u64).cast_signed();
+    signed(vertices + topology.face_count()) - signed(topology.edge_count())
 }
 
 /// The faces as fans of triangles round their centroids.

@@ -8,8 +8,8 @@ use crate::ids::{FaceId, HalfedgeId, VertexId};
 use crate::{Topology, Vec3, par};
 
 /// Unit normals of the smooth surface that a fine mesh samples: those of the cubic polynomial that
-/// fits two rings of neighbours best \[CazalsPouget2005\], over the plane of [`vertex_normals`]. Of
-/// third order in the edge length; zero where those are.
+/// fits two rings of neighbours best \[Cazals2005\], over the plane of [`vertex_normals`]. Of
+/// third order in the edge length, at the boundary of second; zero where those are.
 ///
 /// # Panics
 /// If there is not one position per vertex.

@@ -9,11 +9,11 @@ use crate::{Mesh, par};
 ///
 /// Turning is $`\int\tfrac12(|k_1| + |k_2|)\,dA`$. A mesh bends only in its edges, each a sharp
 /// cylinder, so that its turning is $`\tfrac12\sum_e \ell_e\,|\theta_e|`$ with lengths and dihedral
-/// angles: the same measure of the polyhedron, by its normal cycle \[CohenSteinerMorvan2003\].
+/// angles: the same measure of the polyhedron, by its normal cycle \[Morvan2003\].
 /// For a profile drawn out along a line it is the total absolute turning angle of the profile, and
-/// a curve never turns less than a polygon inscribed in it \[Milnor1950\]; it turns as much exactly
-/// if it adds no inflections and no detours. So the ratio counts the bends that are not in the data,
-/// in developable regions too, where `K` is blind, and on saddles, where `H` is.
+/// a curve never turns less than a polygon inscribed in it \[Milnor1950\]; a closed convex one turns
+/// exactly as much. So the ratio counts the bends that are not in the data, in developable regions
+/// too, where `K` is blind, and on saddles, where `H` is.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Undulation {
     /// Turning of the surface, in the unit of length of its positions.
