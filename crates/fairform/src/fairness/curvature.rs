@@ -52,7 +52,7 @@ impl Curvature {
 /// The error is of order $`h^3`$ in the edge length $`h`$, of order $`h^4`$ where neighbours lie
 /// opposite each other. On a mesh of waves with mixed valences, perturbed, 64 edges along a side of
 /// length 2, boundary included, the largest error of `H` is 2·10⁻⁴; with the third degree it is
-/// 4·10⁻³, and 4·10⁻² if tensors of the faces are averaged \[Rusinkiewicz2004\], which is of first
+/// 2·10⁻³ at best, and 4·10⁻² if tensors of the faces are averaged \[Rusinkiewicz2004\], which is of first
 /// order there. The error of normals that are only estimates is divided by $`h`$: with those of
 /// [`fitted_normals`] the curvature is of order $`h^2`$, at the boundary of order $`h`$, and with
 /// [`vertex_normals`] it does not converge.
