@@ -25,6 +25,7 @@ extern crate alloc;
 pub mod crease;
 pub mod error;
 pub mod faces;
+pub mod fairness;
 pub mod ids;
 pub mod interpolate;
 pub mod limit;
