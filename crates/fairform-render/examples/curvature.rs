@@ -58,8 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let panel = torus.panel(Some(gaussian), plain, "A torus");
     save("torus.png", &[panel], "35,35,z", (1200, 800), &options)?;
 
-    let mean =
-        Values { legend: Some("mean curvature (1/mm)"), ..Values::per_vertex(&torus.mean) };
+    let mean = Values { legend: Some("mean curvature (1/mm)"), ..Values::per_vertex(&torus.mean) };
     let angle = Values {
         map: ColourMap::Cyclic,
         range: Range::Between(0.0, TAU),
@@ -111,9 +110,8 @@ fn torus(around: u32, across: u32) -> Known {
     let (large, small) = (2.2, 1.0);
     let index = |i: u32, j: u32| (i % around) * across + j % across;
     let faces = (0..around).flat_map(|i| {
-        (0..across).map(move |j| {
-            [index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1)]
-        })
+        (0..across)
+            .map(move |j| [index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1)])
     });
     let mut known = Known::new(faces.collect());
     for i in 0..around {

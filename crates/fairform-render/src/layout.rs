@@ -52,11 +52,9 @@ impl Layout {
         let shared = gauges.only().filter(|_| options.title_size > 0.0);
         let has_shared_bar = shared.is_some();
         let share = options.title_size / 1000.0;
-        let legend_size = |panel: usize| {
-            // Many small panels have a bar that can still be read.
-            let most = if has_shared_bar { 0.6 * width.min(height) as f64 } else { 0.0 };
-            (0.84 * share * most.max(panel as f64)) as f32
-        };
+        // Many small panels have text that can still be read.
+        let measure = |panel: usize| share * (0.5 * width.min(height) as f64).max(panel as f64);
+        let legend_size = |panel: usize| (0.86 * measure(panel)) as f32;
         // The bar takes at most a third of the width, in which all is drawn that fits.
         let aside = |panel: usize| {
             let bar = shared.map_or(0.0, |g| legend::width_aside(g, typeface, legend_size(panel)));
@@ -74,7 +72,7 @@ impl Layout {
         };
         let without = (width / columns).min(rows(columns));
         let (aside, legend_size) = (aside(without), legend_size(without));
-        let title_size = share * shorter(columns) as f64;
+        let title_size = measure(shorter(columns));
         let lines = |panel: &Panel| {
             panel.title.as_ref().map_or(0, |title| title.lines().count().clamp(1, TITLE_LINES))
         };

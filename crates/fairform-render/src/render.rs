@@ -35,8 +35,8 @@ pub struct Options {
     pub shared_range: bool,
     /// Panels in a row; by default as many as make the panels largest.
     pub columns: Option<usize>,
-    /// Height of the titles in thousandths of the shorter side of a panel; the text at colour bars is
-    /// somewhat smaller. 0 leaves out both.
+    /// Height of the titles in thousandths of the shorter side of a panel, or of half that of the
+    /// picture if this is more; the text at colour bars is somewhat smaller. 0 leaves out both.
     pub title_size: f64,
 }
 

@@ -202,8 +202,8 @@ impl Shading<'_> {
         };
         if let Some(paint) = &material.paint {
             place.colour = self.painted(paint, triangle, &setup, samples);
-            place.gloss *= 0.5;
-            place.glow = 0.4;
+            place.gloss *= 0.25;
+            place.glow = 0.55;
         }
         if !matches!(material.finish, Finish::Plain) {
             self.finish(&mut place, material, triangle, &setup, samples);
@@ -268,14 +268,17 @@ impl Shading<'_> {
         match material.finish {
             Finish::Plain => {}
             Finish::Zebra { .. } => {
-                place.colour = place.colour.map(|c| c * (ZEBRA_DARK + (1.0 - ZEBRA_DARK) * light));
+                // Colours that mean something stay.
+                let own = if material.paint.is_some() || material.has_colours { 1.0 } else { 0.25 };
+                let share = ZEBRA_DARK + (1.0 - ZEBRA_DARK) * light;
+                place.colour = place.colour.map(|c| share * (1.0 + own * (c - 1.0)));
                 place.gloss = 0.0;
-                place.glow = 0.5;
+                place.glow = 0.55;
             }
             Finish::Reflection { .. } => {
-                place.colour = place.colour.map(|c| 0.3 * c);
+                place.colour = place.colour.map(|c| LACQUER * c);
                 place.gloss = 0.0;
-                place.mirrored = 0.85 * light;
+                place.mirrored = 0.9 * light;
             }
         }
     }
@@ -333,6 +336,9 @@ impl Shading<'_> {
 
 /// Light of a dark stripe as a share of that of a light one.
 const ZEBRA_DARK: f32 = 0.025;
+
+/// Light of a lacquer from below its surface as a share of that of a dull surface.
+const LACQUER: f32 = 0.07;
 
 fn mean<const N: usize>(all: impl Iterator<Item = [f32; N]>) -> [f32; N] {
     let (sum, count) = all.fold(([0.0; N], 0.0_f32), |(sum, count), a| {

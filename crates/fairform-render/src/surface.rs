@@ -25,7 +25,7 @@ pub enum Surface {
     #[default]
     Plain,
     /// A mirror in a world of stripes, light and dark, all equally wide, which are circles around an
-    /// axis. Light stripes have the colour of the body.
+    /// axis. Light stripes are nearly white, or have the colours of the body if it has its own.
     Zebra {
         /// The axis of the input that the stripes go around.
         axis: Axis,
@@ -162,12 +162,12 @@ impl Finish {
 fn studio(along: f32, [up, aside]: [f32; 2], strips: f32) -> f32 {
     let turn = libm::atan2f(aside, up) / std::f32::consts::TAU * strips;
     let from_middle = (turn - turn.round()).abs();
-    let lamp = smooth(0.23, 0.15, from_middle);
+    let lamp = smooth(0.27, 0.12, from_middle);
     let above = 0.5 + 0.5 * up;
     let open = (1.0 - along * along).max(0.0).sqrt();
-    let far = smooth(0.04, 0.45, open);
-    let room = 0.02 + 0.09 * above * above;
-    room + lamp * far * (0.16 + 0.84 * above)
+    let far = smooth(0.12, 0.7, open);
+    let room = 0.01 + 0.04 * above * above;
+    room + lamp * far * (0.1 + 0.9 * above)
 }
 
 /// From 0 at `a` to 1 at `b`, without kinks.
