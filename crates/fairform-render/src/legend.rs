@@ -37,6 +37,9 @@ pub(crate) fn width_aside(gauge: &Gauge, typeface: &Typeface, size: f32) -> f32 
     numbers.max(none) + (BAR + TICK + 2.0 * GAP + 1.15 + 1.6) * size
 }
 
+/// Places of a pixel at which a bar is looked at.
+const PARTS: u8 = 8;
+
 /// What is said of the colour of what has no value.
 const NONE: &str = "none";
 
@@ -156,7 +159,6 @@ impl Pen<'_> {
             gauge.map.at(f64::from(t))
         };
         // The borders of bands need not be on whole pixels, as the ends are.
-        const PARTS: u8 = 8;
         for i in 0..bar.length as u16 {
             let parts = (0..PARTS).map(|k| {
                 let at = f32::from(i) + (f32::from(k) + 0.5) / f32::from(PARTS);

@@ -12,6 +12,8 @@
 //! # Ok::<(), fairform_render::RenderError>(())
 //! ```
 //!
+//! A surface is coloured by numbers with [`Values`], and shown as a mirror with [`Surface`].
+//!
 //! [`render`] is one straight line: the bodies of a panel become triangles, strokes and dots in
 //! camera space (`scene`), lamps all around see how far their light gets (`light`), tiles of the
 //! picture find what is nearest at sixteen places of every pixel (`raster`) and colour it (`shade`).

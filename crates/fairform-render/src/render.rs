@@ -19,6 +19,7 @@ pub const MAX_PIXELS: u32 = 1 << 26;
 
 /// Choices that concern the whole picture.
 #[derive(Clone, Copy, PartialEq, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "independent switches")]
 pub struct Options {
     /// What is behind everything; may be transparent.
     pub background: Colour,

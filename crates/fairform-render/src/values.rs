@@ -157,6 +157,7 @@ impl FromStr for Range {
 
 /// What each number looks like.
 #[derive(Clone, PartialEq, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "independent findings")]
 pub(crate) struct Gauge {
     pub(crate) map: ColourMap,
     /// Of equal width, if any.
@@ -185,7 +186,9 @@ impl Gauge {
         };
         let is_given = matches!(range, Range::Between(..));
         let (low, high) = if map.is_diverging() && !is_given {
-            finite.iter_mut().for_each(|v| *v = v.abs());
+            for v in &mut finite {
+                *v = v.abs();
+            }
             let (_, size) = ends(&mut finite);
             let size = if size > 1e-290 { size } else { 1.0 };
             (-size, size)
