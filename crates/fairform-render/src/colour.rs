@@ -32,6 +32,8 @@ impl Colour {
     pub const CLAY: Self = Self::hex(0xcf_a9_86);
     /// A dark blue grey for edges.
     pub const INK: Self = Self::hex(0x1d_26_33);
+    /// The grey of what has no value.
+    pub const MISSING: Self = Self::hex(0x9a_9a_9a);
     /// A strong red for boundaries.
     pub const RED: Self = Self::hex(0xd6_2a_2a);
 
@@ -133,23 +135,18 @@ fn decode(c: f64) -> f32 {
     (if c <= 0.04045 { c / 12.92 } else { libm::pow((c + 0.055) / 1.055, 2.4) }) as f32
 }
 
+/// sRGB component of light. \[IEC 61966-2-1\]
+pub(crate) fn component(light: f64) -> f64 {
+    let l = clamp(light);
+    if l <= 0.003_130_8 { 12.92 * l } else { 1.055 * libm::pow(l, 1.0 / 2.4) - 0.055 }
+}
+
 /// sRGB component of light, as a byte. Finer steps than a byte has even in the dark, so that every
 /// byte comes back from its own light.
 pub(crate) fn encode(light: f32) -> u8 {
     const STEPS: usize = 4096;
-    static TABLE: LazyLock<Vec<u8>> = LazyLock::new(|| {
-        (0..=STEPS)
-            .map(|i| {
-                let l = i as f64 / STEPS as f64;
-                let c = if l <= 0.003_130_8 {
-                    12.92 * l
-                } else {
-                    1.055 * libm::pow(l, 1.0 / 2.4) - 0.055
-                };
-                byte(c)
-            })
-            .collect()
-    });
+    static TABLE: LazyLock<Vec<u8>> =
+        LazyLock::new(|| (0..=STEPS).map(|i| byte(component(i as f64 / STEPS as f64))).collect());
     #[expect(clippy::cast_sign_loss, reason = "a cast from negative or NaN light gives 0")]
     let i = (light * STEPS as f32 + 0.5) as usize;
     TABLE[i.min(STEPS)]

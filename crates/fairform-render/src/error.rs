@@ -76,17 +76,46 @@ pub enum RenderError {
         /// The vertex.
         vertex: VertexId,
     },
-    /// Normals or colours are not one per vertex.
+    /// Normals, colours or values are not one per vertex.
     #[error("panel {panel}, body {body}: {given} {what} are given for {vertex_count} vertices")]
     Count {
         /// Panel.
         panel: usize,
         /// Body in the panel.
         body: usize,
-        /// `"normals"` or `"colours"`.
+        /// `"normals"`, `"colours"` or `"values"`.
         what: &'static str,
         /// How many are given.
         given: usize,
+        /// Number of vertices of the body.
+        vertex_count: usize,
+    },
+    /// Values are not one per face.
+    #[error("panel {panel}, body {body}: {given} values are given for {face_count} faces")]
+    FaceCount {
+        /// Panel.
+        panel: usize,
+        /// Body in the panel.
+        body: usize,
+        /// How many are given.
+        given: usize,
+        /// Number of faces of the body.
+        face_count: usize,
+    },
+    /// A stroke ends at a vertex that its body does not have.
+    #[error(
+        "panel {panel}, body {body}: stroke {stroke} ends at vertex {vertex}, but there are \
+         {vertex_count} vertices"
+    )]
+    NoSuchEnd {
+        /// Panel.
+        panel: usize,
+        /// Body in the panel.
+        body: usize,
+        /// Stroke of the body.
+        stroke: usize,
+        /// The vertex it ends at.
+        vertex: VertexId,
         /// Number of vertices of the body.
         vertex_count: usize,
     },

@@ -12,15 +12,22 @@
 //! # Ok::<(), fairform_render::RenderError>(())
 //! ```
 //!
+//! A surface is coloured by numbers with [`Values`], and shown as a mirror with [`Surface`].
+//!
 //! [`render`] is one straight line: the bodies of a panel become triangles, strokes and dots in
 //! camera space (`scene`), lamps all around see how far their light gets (`light`), tiles of the
 //! picture find what is nearest at sixteen places of every pixel (`raster`) and colour it (`shade`).
 //! The same input gives the same bytes on any number of threads.
 
 mod camera;
+mod canvas;
 mod colour;
+mod colour_map;
 mod error;
+mod layout;
+mod legend;
 mod light;
+mod paint;
 mod par;
 mod picture;
 mod plot;
@@ -29,13 +36,19 @@ mod raster;
 mod render;
 mod scene;
 mod shade;
+mod surface;
 mod text;
+mod ticks;
+mod values;
 mod view;
 
 pub use colour::{Colour, ParseColourError};
+pub use colour_map::{ColourMap, ParseColourMapError};
 pub use error::RenderError;
 pub use picture::Picture;
 pub use plot::{Series, plot_svg};
 pub use render::{MAX_PIXELS, MAX_SIDE, Options, render};
 pub use scene::{Body, Dot, Line, Panel, Style};
+pub use surface::{ParseSurfaceError, Surface};
+pub use values::{ParseRangeError, Per, Range, Values};
 pub use view::{Axis, ParseViewError, View};

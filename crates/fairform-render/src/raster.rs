@@ -87,6 +87,14 @@ impl Setup {
         })
     }
 
+    /// Weights of the corners at the place of the triangle's plane that is seen at `x`, `y`, inside or
+    /// not; `None` where the plane is behind the eye.
+    pub(crate) fn weights_around(&self, x: f64, y: f64) -> Option<[f64; 3]> {
+        let w: [f64; 3] = std::array::from_fn(|i| value(self.edges[i], x, y) * self.corners[i][2]);
+        let sum = w[0] + w[1] + w[2];
+        (sum > 0.0).then(|| w.map(|w| w / sum))
+    }
+
     /// Weights of the corners at the place that is seen at `x`, `y`.
     pub(crate) fn weights(&self, x: f64, y: f64) -> [f64; 3] {
         let w: [f64; 3] =

@@ -3,15 +3,18 @@
 use fairform::{FaceId, Faces, Vec3, VertexId};
 
 use crate::camera::Camera;
+use crate::paint::Paint;
 use crate::polygon::{self, Corner};
-use crate::{Colour, RenderError};
+use crate::surface::Finish;
+use crate::values::Gauge;
+use crate::{Axis, Colour, ColourMap, Per, RenderError, Surface, Values};
 
-/// Bodies drawn together, with a line of text below.
+/// Bodies drawn together, with text below.
 #[derive(Clone, Debug, Default)]
 pub struct Panel<'a> {
     /// What is drawn; later strokes lie on top of earlier ones at the same place.
     pub bodies: Vec<Body<'a>>,
-    /// The text below, if any.
+    /// The text below, if any. What follows a line break is set smaller.
     pub title: Option<String>,
 }
 
@@ -30,6 +33,10 @@ pub struct Body<'a> {
     /// sRGB colour and opacity of each vertex, used instead of the fill's, or for the points where
     /// there is no fill. A colour that is not finite is ignored.
     pub colours: Option<&'a [[f64; 4]]>,
+    /// Numbers that colour the surface, instead of its colours and its fill, whose opacity stays.
+    pub values: Option<Values<'a>>,
+    /// Strokes between pairs of vertices, edges or not, on top of all other edges: creases, say.
+    pub strokes: &'a [([u32; 2], Line)],
     /// How it looks.
     pub style: Style,
 }
@@ -38,7 +45,15 @@ impl<'a> Body<'a> {
     /// A smooth surface in the usual colour.
     #[must_use]
     pub fn new(positions: &'a [Vec3], faces: &'a Faces) -> Self {
-        Self { positions, faces, normals: None, colours: None, style: Style::default() }
+        Self {
+            positions,
+            faces,
+            normals: None,
+            colours: None,
+            values: None,
+            strokes: &[],
+            style: Style::default(),
+        }
     }
 }
 
@@ -49,6 +64,8 @@ pub struct Style {
     pub fill: Option<Colour>,
     /// Colour of the surface seen from behind; its opacity is the fill's.
     pub back: Colour,
+    /// What the surface is made of.
+    pub surface: Surface,
     /// Whether normals are interpolated over the faces; otherwise each face has one shade.
     pub smooth: bool,
     /// Strength of the highlights, from 0 (chalk) to 1 (lacquer).
@@ -66,6 +83,7 @@ impl Default for Style {
         Self {
             fill: Some(Colour::PORCELAIN),
             back: Colour::CLAY,
+            surface: Surface::Plain,
             smooth: true,
             gloss: 0.35,
             wireframe: None,
@@ -122,8 +140,12 @@ pub(crate) struct Scene {
     pub(crate) normals: Vec<Vec3f>,
     /// Per point, linear light and opacity; empty if no body has colours of its own.
     pub(crate) colours: Vec<[f32; 4]>,
+    /// Per point, from 0 to 1; empty if no body has values of its vertices.
+    pub(crate) values: Vec<f32>,
     /// Per face.
     pub(crate) face_normals: Vec<Vec3f>,
+    /// Per face, from 0 to 1; empty if no body has values of its faces.
+    pub(crate) face_values: Vec<f32>,
     pub(crate) triangles: Vec<Triangle>,
     pub(crate) materials: Vec<Material>,
     pub(crate) strokes: Vec<Stroke>,
@@ -142,6 +164,8 @@ pub(crate) struct Material {
     pub(crate) smooth: bool,
     pub(crate) gloss: f32,
     pub(crate) has_colours: bool,
+    pub(crate) paint: Option<Paint>,
+    pub(crate) finish: Finish,
 }
 
 pub(crate) struct Stroke {
@@ -168,8 +192,15 @@ pub(crate) fn check(panel: &Panel, index: usize) -> Result<(), RenderError> {
     let mut size = 0_usize;
     for (b, body) in panel.bodies.iter().enumerate() {
         let vertex_count = body.positions.len();
-        let counts =
-            [("normals", body.normals.map(<[_]>::len)), ("colours", body.colours.map(<[_]>::len))];
+        let (of_vertices, of_faces) = match body.values {
+            Some(values) if values.per == Per::Vertex => (Some(values.of.len()), None),
+            values => (None, values.map(|v| v.of.len())),
+        };
+        let counts = [
+            ("normals", body.normals.map(<[_]>::len)),
+            ("colours", body.colours.map(<[_]>::len)),
+            ("values", of_vertices),
+        ];
         for (what, given) in counts {
             if let Some(given) = given.filter(|&given| given != vertex_count) {
                 return Err(RenderError::Count {
@@ -181,11 +212,16 @@ pub(crate) fn check(panel: &Panel, index: usize) -> Result<(), RenderError> {
                 });
             }
         }
+        let face_count = body.faces.len();
+        if let Some(given) = of_faces.filter(|&given| given != face_count) {
+            return Err(RenderError::FaceCount { panel: index, body: b, given, face_count });
+        }
         // A face has at most one point in its middle.
         size = size
             .saturating_add(vertex_count)
             .saturating_add(body.faces.corners().len())
-            .saturating_add(body.faces.len());
+            .saturating_add(body.faces.len())
+            .saturating_add(body.strokes.len());
         if size > LIMIT {
             return Err(RenderError::TooLarge { panel: index });
         }
@@ -206,6 +242,23 @@ pub(crate) fn check(panel: &Panel, index: usize) -> Result<(), RenderError> {
                 }
             }
         }
+        for (stroke, &(ends, line)) in body.strokes.iter().enumerate() {
+            for vertex in ends.map(VertexId) {
+                let Some(p) = body.positions.get(vertex.index()) else {
+                    return Err(RenderError::NoSuchEnd {
+                        panel: index,
+                        body: b,
+                        stroke,
+                        vertex,
+                        vertex_count,
+                    });
+                };
+                if !p.is_finite() {
+                    return Err(RenderError::NotFinite { panel: index, body: b, vertex });
+                }
+            }
+            check_size("the width of a stroke", line.width)?;
+        }
         if body.style.points.is_some()
             && let Some(v) = body.positions.iter().position(|p| !p.is_finite())
         {
@@ -216,6 +269,10 @@ pub(crate) fn check(panel: &Panel, index: usize) -> Result<(), RenderError> {
             });
         }
         check_style(&body.style)?;
+        if let Some(values) = &body.values {
+            values.check()?;
+            check_size("the width of the isolines", values.isolines.map_or(1.0, |l| l.width))?;
+        }
     }
     Ok(())
 }
@@ -227,49 +284,92 @@ fn check_style(style: &Style) -> Result<(), RenderError> {
         ("the radius of the points", style.points.map_or(1.0, |d| d.radius)),
     ];
     for (what, value) in sizes {
-        if !(0.0..=200.0).contains(&value) {
-            return Err(RenderError::Style { what, value, range: "from 0 to 200" });
-        }
+        check_size(what, value)?;
     }
+    style.surface.check()?;
     if !(0.0..=1.0).contains(&style.gloss) {
         return Err(RenderError::Style { what: "gloss", value: style.gloss, range: "from 0 to 1" });
     }
     Ok(())
 }
 
-/// The positions that the camera shall see: those of faces, and all where the points are drawn.
+fn check_size(what: &'static str, value: f64) -> Result<(), RenderError> {
+    if (0.0..=200.0).contains(&value) {
+        return Ok(());
+    }
+    Err(RenderError::Style { what, value, range: "from 0 to 200" })
+}
+
+/// The positions that the camera shall see: those of faces and strokes, and all where the points are drawn.
 pub(crate) fn seen<'a>(panel: &'a Panel) -> impl Iterator<Item = Vec3> + Clone + 'a {
     panel.bodies.iter().flat_map(|body| {
         let all: &[Vec3] = if body.style.points.is_some() { body.positions } else { &[] };
         let corners: &[u32] = if all.is_empty() { body.faces.corners() } else { &[] };
-        all.iter().copied().chain(corners.iter().map(|&v| body.positions[v as usize]))
+        let ends = body.strokes.iter().flat_map(|(ends, _)| ends);
+        let used = corners.iter().chain(ends).map(|&v| body.positions[v as usize]);
+        all.iter().copied().chain(used)
     })
 }
 
 impl Scene {
-    /// The parts of a panel that passed [`check`]; `unit` is the shorter side of the panel in
-    /// thousandths, in pixels.
-    pub(crate) fn new(panel: &Panel, camera: &Camera, unit: f64) -> Self {
+    /// The parts of a panel that passed [`check`]; `gauges` are those of the bodies, `unit` is the
+    /// shorter side of the panel in thousandths, in pixels.
+    pub(crate) fn new(
+        panel: &Panel,
+        gauges: &[Option<&Gauge>],
+        camera: &Camera,
+        up: Axis,
+        unit: f64,
+    ) -> Self {
         let mut scene = Self {
             points: Vec::new(),
             screen: Vec::new(),
             normals: Vec::new(),
             colours: Vec::new(),
+            values: Vec::new(),
             face_normals: Vec::new(),
+            face_values: Vec::new(),
             triangles: Vec::new(),
             materials: Vec::new(),
             strokes: Vec::new(),
             balls: Vec::new(),
         };
-        let has_colours = panel.bodies.iter().any(|b| b.colours.is_some());
-        for body in &panel.bodies {
-            scene.add(body, camera, unit, has_colours);
+        let has_values =
+            |per: Per| panel.bodies.iter().any(|b| b.values.is_some_and(|v| v.per == per));
+        let wants = Wants {
+            colours: panel.bodies.iter().any(|b| b.colours.is_some()),
+            values: has_values(Per::Vertex),
+            face_values: has_values(Per::Face),
+        };
+        for (body, gauge) in panel.bodies.iter().zip(gauges) {
+            let shown = body.values.zip(*gauge);
+            let material = body.style.fill.map(|fill| {
+                let [r, g, b, _] = body.style.back.linear();
+                Material {
+                    front: fill.linear(),
+                    back: [r, g, b],
+                    smooth: body.style.smooth,
+                    gloss: body.style.gloss as f32,
+                    has_colours: body.colours.is_some() && shown.is_none(),
+                    paint: shown.map(|(values, gauge)| Paint::new(&values, gauge, unit)),
+                    finish: Finish::new(body.style.surface, camera, up),
+                }
+            });
+            scene.add(body, *gauge, material, camera, unit, &wants);
         }
         scene.screen = scene.points.iter().map(|&p| camera.screen(p)).collect();
         scene
     }
 
-    fn add(&mut self, body: &Body, camera: &Camera, unit: f64, has_colours: bool) {
+    fn add(
+        &mut self,
+        body: &Body,
+        gauge: Option<&Gauge>,
+        material: Option<Material>,
+        camera: &Camera,
+        unit: f64,
+        wants: &Wants,
+    ) {
         let style = &body.style;
         let first_point = self.points.len() as u32;
         let first_face = self.face_normals.len() as u32;
@@ -284,19 +384,24 @@ impl Scene {
         self.normals.extend(vertex_normals.iter().map(|&n| to_f32(camera.turn(n))));
         self.face_normals.extend(face_normals.iter().map(|&n| to_f32(camera.turn(n))));
         let front = style.fill.unwrap_or(Colour::PORCELAIN).linear();
-        if has_colours {
+        if wants.colours {
             self.colours.extend((0..flat.len()).map(|v| own_colour(body, v).unwrap_or(front)));
         }
-        if let Some(fill) = style.fill {
-            self.fill(body, first_point, first_face, has_colours);
-            let [r, g, b, _] = style.back.linear();
-            self.materials.push(Material {
-                front: fill.linear(),
-                back: [r, g, b],
-                smooth: style.smooth,
-                gloss: style.gloss as f32,
-                has_colours: body.colours.is_some(),
-            });
+        // NaN where a body has no values; nothing reads them.
+        let value_of = |per: Per, i: usize| match (body.values, gauge) {
+            (Some(values), Some(gauge)) if values.per == per => gauge.share(values.of[i]),
+            _ => f32::NAN,
+        };
+        if wants.values {
+            self.values.extend((0..flat.len()).map(|v| value_of(Per::Vertex, v)));
+        }
+        if wants.face_values {
+            self.face_values.extend((0..body.faces.len()).map(|f| value_of(Per::Face, f)));
+        }
+        if let Some(material) = material {
+            self.materials.push(material);
+            let is_cyclic = gauge.is_some_and(|g| g.map == ColourMap::Cyclic);
+            self.fill(body, first_point, first_face, wants, is_cyclic);
         }
         self.stroke(body, first_point, first_face, unit);
         if let Some(dot) = style.points.filter(|d| d.radius > 0.0) {
@@ -309,8 +414,16 @@ impl Scene {
         }
     }
 
-    fn fill(&mut self, body: &Body, first_point: u32, first_face: u32, has_colours: bool) {
-        let number = self.materials.len() as u32;
+    /// The faces, of the last material.
+    fn fill(
+        &mut self,
+        body: &Body,
+        first_point: u32,
+        first_face: u32,
+        wants: &Wants,
+        is_cyclic: bool,
+    ) {
+        let number = self.materials.len() as u32 - 1;
         let (mut corners, mut places): (Vec<u32>, Vec<Vec3>) = (Vec::new(), Vec::new());
         for (f, face) in body.faces.iter().enumerate().filter(|(_, face)| face.len() >= 3) {
             corners.clear();
@@ -334,7 +447,16 @@ impl Scene {
                 let n = corners.len() as f32;
                 self.points.push(places.iter().copied().sum::<Vec3>() / f64::from(n));
                 self.normals.push(mean(corners.iter().map(|&c| self.normals[c as usize]), n));
-                if has_colours {
+                if wants.values {
+                    let first = self.values[corners[0] as usize];
+                    let all = corners.iter().map(|&c| {
+                        let value = self.values[c as usize];
+                        [if is_cyclic { nearest_turn(value, first) } else { value }]
+                    });
+                    let [own] = mean(all, n);
+                    self.values.push(own);
+                }
+                if wants.colours {
                     let own = mean(corners.iter().map(|&c| self.colours[c as usize]), n);
                     self.colours.push(own);
                 }
@@ -344,23 +466,45 @@ impl Scene {
 
     fn stroke(&mut self, body: &Body, first_point: u32, first_face: u32, unit: f64) {
         let style = &body.style;
-        if style.wireframe.is_none() && style.boundary.is_none() {
+        if style.wireframe.is_none() && style.boundary.is_none() && body.strokes.is_empty() {
             return;
         }
         let edges = edges(body.faces);
+        let stroke = |ends: [u32; 2], faces: [u32; 2], line: Line| Stroke {
+            ends: ends.map(|v| first_point + v),
+            faces,
+            reach: (0.5 * line.width * unit) as f32,
+            colour: line.colour.linear(),
+        };
+        let beside = |e: &Edge| e.faces.map(|f| first_face + f);
         let mut draw = |line: Option<Line>, only_boundary: bool| {
             let Some(line) = line.filter(|l| l.width > 0.0) else { return };
             let kept = edges.iter().filter(|e| !only_boundary || e.count == 1);
-            self.strokes.extend(kept.map(|e| Stroke {
-                ends: e.ends.map(|v| first_point + v),
-                faces: e.faces.map(|f| first_face + f),
-                reach: (0.5 * line.width * unit) as f32,
-                colour: line.colour.linear(),
-            }));
+            self.strokes.extend(kept.map(|e| stroke(e.ends, beside(e), line)));
         };
         draw(style.wireframe, false);
         draw(style.boundary, true);
+        for &([a, b], line) in body.strokes.iter().filter(|(_, line)| line.width > 0.0) {
+            let ends = [a.min(b), a.max(b)];
+            let faces = match edges.binary_search_by_key(&ends, |e| e.ends) {
+                Ok(edge) => beside(&edges[edge]),
+                Err(_) => [u32::MAX; 2],
+            };
+            self.strokes.push(stroke([a, b], faces, line));
+        }
     }
+}
+
+/// Which lists of a scene are kept for all its bodies, since one needs them.
+struct Wants {
+    colours: bool,
+    values: bool,
+    face_values: bool,
+}
+
+/// The value that is the same on a circle of length 1 and nearest to another.
+pub(crate) fn nearest_turn(value: f32, to: f32) -> f32 {
+    value + (to - value).round()
 }
 
 fn mean<const N: usize>(all: impl Iterator<Item = [f32; N]>, count: f32) -> [f32; N] {

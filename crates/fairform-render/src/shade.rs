@@ -2,11 +2,14 @@
 
 use fairform::Vec3;
 
+use crate::Per;
 use crate::camera::Camera;
 use crate::colour::encode;
 use crate::light::{Arrival, Lights, dot, unit};
+use crate::paint::Paint;
 use crate::raster::{NONE, OFFSETS, SAMPLES, Setup, Tile};
-use crate::scene::{Scene, Vec3f, to_f32};
+use crate::scene::{Material, Scene, Triangle, Vec3f, nearest_turn, to_f32};
+use crate::surface::Finish;
 
 /// Light times opacity, and opacity.
 type Premultiplied = [f32; 4];
@@ -31,6 +34,27 @@ struct Place {
     side: Vec3f,
     colour: Vec3f,
     gloss: f32,
+    /// How much of the colour shows whatever the light, from 0 to 1: colours that are read as numbers
+    /// must not be lost in shadow.
+    glow: f32,
+    /// What it mirrors, added to the rest.
+    mirrored: f32,
+}
+
+/// Places of a pixel, and those among them where one triangle is seen.
+struct Samples<'a> {
+    /// Middle of the pixel.
+    x: f64,
+    y: f64,
+    ids: &'a [u32; SAMPLES],
+    id: u32,
+}
+
+impl Samples<'_> {
+    fn places(&self) -> impl Iterator<Item = [f64; 2]> {
+        let seen = (0..SAMPLES).filter(|&k| self.ids[k] == self.id);
+        seen.map(|k| [self.x + f64::from(OFFSETS[k][0]), self.y + f64::from(OFFSETS[k][1])])
+    }
 }
 
 impl Shading<'_> {
@@ -69,7 +93,8 @@ impl Shading<'_> {
                     count += 1.0;
                 }
                 let [dx, dy] = middle.map(|m| f64::from(m / count));
-                match self.place(id as usize, x + dx, y + dy) {
+                let samples = Samples { x, y, ids, id };
+                match self.place(x + dx, y + dy, &samples) {
                     Some(place) => {
                         // Neighbours that lie alike are lit alike.
                         let same = known.filter(|(p, n, _)| {
@@ -118,15 +143,16 @@ impl Shading<'_> {
         over([0.0, 0.0, 0.0, ground], [r * a, g * a, b * a, a])
     }
 
-    fn place(&self, id: usize, x: f64, y: f64) -> Option<Place> {
-        match id.checked_sub(self.scene.triangles.len()) {
-            None => self.place_on_triangle(id, x, y),
+    fn place(&self, x: f64, y: f64, samples: &Samples) -> Option<Place> {
+        match (samples.id as usize).checked_sub(self.scene.triangles.len()) {
+            None => self.place_on_triangle(x, y, samples),
             Some(ball) => self.place_on_ball(ball, x, y),
         }
     }
 
-    fn place_on_triangle(&self, id: usize, x: f64, y: f64) -> Option<Place> {
+    fn place_on_triangle(&self, x: f64, y: f64, samples: &Samples) -> Option<Place> {
         let scene = self.scene;
+        let id = samples.id as usize;
         let setup = Setup::new(scene, id)?;
         let triangle = &scene.triangles[id];
         let material = &scene.materials[triangle.body as usize];
@@ -165,7 +191,96 @@ impl Shading<'_> {
             colour =
                 std::array::from_fn(|k| material.back[k] + own * (colour[k] - material.back[k]));
         }
-        Some(Place { position, normal, side, colour, gloss: material.gloss })
+        let mut place = Place {
+            position,
+            normal,
+            side,
+            colour,
+            gloss: material.gloss,
+            glow: 0.0,
+            mirrored: 0.0,
+        };
+        if let Some(paint) = &material.paint {
+            place.colour = self.painted(paint, triangle, &setup, samples);
+            place.gloss *= 0.25;
+            place.glow = 0.55;
+        }
+        if !matches!(material.finish, Finish::Plain) {
+            self.finish(&mut place, material, triangle, &setup, samples);
+        }
+        Some(place)
+    }
+
+    /// The colour by value, over the samples.
+    fn painted(
+        &self,
+        paint: &Paint,
+        triangle: &Triangle,
+        setup: &Setup,
+        samples: &Samples,
+    ) -> Vec3f {
+        if paint.per == Per::Face {
+            return paint.colour(self.scene.face_values[triangle.face as usize], 0.0);
+        }
+        let mut values = triangle.corners.map(|c| self.scene.values[c as usize]);
+        if paint.is_cyclic {
+            values = values.map(|v| nearest_turn(v, values[0]));
+        }
+        let value = |w: [f64; 3]| (0..3).map(|i| w[i] as f32 * values[i]).sum::<f32>();
+        let change = |dx: f64, dy: f64| {
+            let at = |s: f64| setup.weights_around(samples.x + s * dx, samples.y + s * dy);
+            at(0.5).zip(at(-0.5)).map_or(0.0, |(to, from)| value(to) - value(from))
+        };
+        let slope = if paint.has_isolines() {
+            let (x, y) = (change(1.0, 0.0), change(0.0, 1.0));
+            (x * x + y * y).sqrt()
+        } else {
+            0.0
+        };
+        mean(samples.places().map(|[x, y]| paint.colour(value(setup.weights(x, y)), slope)))
+    }
+
+    /// What a mirror sees, over the samples, whose normals differ.
+    fn finish(
+        &self,
+        place: &mut Place,
+        material: &Material,
+        triangle: &Triangle,
+        setup: &Setup,
+        samples: &Samples,
+    ) {
+        let scene = self.scene;
+        let corners = triangle.corners.map(|c| c as usize);
+        let facing = if setup.front { 1.0 } else { -1.0 };
+        let [light] = mean(samples.places().map(|[x, y]| {
+            let normal = if material.smooth {
+                let weights = setup.weights(x, y).map(|w| facing * w as f32);
+                unit(std::array::from_fn(|k| {
+                    (0..3).map(|i| weights[i] * scene.normals[corners[i]][k]).sum::<f32>()
+                }))
+            } else {
+                None
+            };
+            let ray = to_f32(self.camera.ray(x, y));
+            let eye = unit(ray.map(|r| -r)).unwrap_or([0.0, 0.0, -1.0]);
+            [material.finish.mirrored(normal.unwrap_or(place.normal), eye)]
+        }));
+        match material.finish {
+            Finish::Plain => {}
+            Finish::Zebra { .. } => {
+                // Colours that mean something stay.
+                let own = if material.paint.is_some() || material.has_colours { 1.0 } else { 0.25 };
+                let share = ZEBRA_DARK + (1.0 - ZEBRA_DARK) * light;
+                place.colour = place.colour.map(|c| share * (1.0 + own * (c - 1.0)));
+                place.gloss = 0.0;
+                place.glow = 0.55;
+            }
+            Finish::Reflection { .. } => {
+                place.colour = place.colour.map(|c| LACQUER * c);
+                place.gloss = 0.0;
+                place.mirrored = 0.9 * light;
+            }
+        }
     }
 
     /// From a place of a triangle to the smooth surface that its normals pretend, so that a coarse
@@ -190,7 +305,15 @@ impl Shading<'_> {
         let radius = ball.radius / (near * self.camera.focal) as f32;
         let middle = to_f32(self.scene.points[ball.point as usize]);
         let position = std::array::from_fn(|k| middle[k] + radius * normal[k]);
-        Some(Place { position, normal, side: normal, colour: ball.colour, gloss: 0.6 })
+        Some(Place {
+            position,
+            normal,
+            side: normal,
+            colour: ball.colour,
+            gloss: 0.6,
+            glow: 0.0,
+            mirrored: 0.0,
+        })
     }
 
     /// Light that a place sends to the eye: diffuse, a highlight of the key lamp \[Blinn1977\], and
@@ -204,8 +327,24 @@ impl Shading<'_> {
         let highlight = 0.42 * place.gloss * h16 * h16 * arrival.key;
         let grazing = 1.0 - dot(place.normal, eye).clamp(0.0, 1.0);
         let sheen = 0.35 * place.gloss * grazing * grazing * grazing;
-        std::array::from_fn(|k| (place.colour[k] + sheen) * arrival.light[k] + highlight)
+        std::array::from_fn(|k| {
+            let light = arrival.light[k] + place.glow * (1.0 - arrival.light[k]);
+            (place.colour[k] + sheen) * light + highlight + place.mirrored
+        })
     }
+}
+
+/// Light of a dark stripe as a share of that of a light one.
+const ZEBRA_DARK: f32 = 0.025;
+
+/// Light of a lacquer from below its surface as a share of that of a dull surface.
+const LACQUER: f32 = 0.07;
+
+fn mean<const N: usize>(all: impl Iterator<Item = [f32; N]>) -> [f32; N] {
+    let (sum, count) = all.fold(([0.0; N], 0.0_f32), |(sum, count), a| {
+        (std::array::from_fn(|i| sum[i] + a[i]), count + 1.0)
+    });
+    sum.map(|s| s / count)
 }
 
 /// A straight colour over a premultiplied one.

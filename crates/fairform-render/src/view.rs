@@ -18,6 +18,24 @@ pub enum Axis {
     Z,
 }
 
+impl Axis {
+    pub(crate) fn direction(self) -> Vec3 {
+        match self {
+            Self::X => Vec3::new(1., 0., 0.),
+            Self::Y => Vec3::new(0., 1., 0.),
+            Self::Z => Vec3::new(0., 0., 1.),
+        }
+    }
+
+    pub(crate) fn next(self) -> Self {
+        match self {
+            Self::X => Self::Y,
+            Self::Y => Self::Z,
+            Self::Z => Self::X,
+        }
+    }
+}
+
 /// Where the picture is taken from. The camera stands so far away that all bodies are in the frame.
 ///
 /// Reads from text: `front`, `back`, `left`, `right`, `top`, `bottom`, `iso` or `AZIMUTH,ELEVATION`
