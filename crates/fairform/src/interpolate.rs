@@ -8,6 +8,7 @@ use core::str::FromStr;
 
 use crate::crease::Kind;
 use crate::error::Error;
+use crate::fair::Fairing;
 use crate::ids::{NONE, VertexId};
 use crate::limit::operator::{RingOperator, RowOperator};
 use crate::limit::{self, LimitRows, limit_points};
@@ -18,6 +19,10 @@ use crate::scheme::loop_scheme::{BoundaryKind, boundary_scale};
 use crate::scheme::{Rules, Scheme, catmull_clark, doo_sabin, loop_scheme};
 use crate::solve::{Interval, LinearOperator, Outcome, Report, Step, Stop};
 use crate::{Mesh, Topology, Vec3, order, par, rows, solve};
+
+mod level_one;
+
+pub use level_one::{Fit, fit_mesh};
 
 /// How control points are found. All methods have the same answer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -134,6 +139,13 @@ pub struct Options {
     pub tolerance: Option<f64>,
     /// Most updates per stage.
     pub iterations: u32,
+    /// Whether [`fit_mesh`] is to end with a push-back, see [`pushback`](crate::pushback), which makes
+    /// the interpolation exact up to rounding and the control mesh one level finer. Where nothing else
+    /// interpolates it does so anyway.
+    pub exact: bool,
+    /// How fair [`fit_mesh`] is to make the surface, from 0 (the plain interpolant) to 1 (the
+    /// fairest), see [`fair`](crate::fair). Implies [`exact`](Self::exact).
+    pub fair: Option<f64>,
 }
 
 impl Default for Options {
@@ -143,12 +155,18 @@ impl Default for Options {
             norm: Norm::default(),
             tolerance: Some(1e-6),
             iterations: 10_000,
+            exact: false,
+            fair: None,
         }
     }
 }
 
 impl Options {
     fn check(&self) -> Result<(), Error> {
+        if let Some(value) = self.fair.filter(|weight| !(0.0..=1.0).contains(weight)) {
+            let (what, expected) = ("the fairness", "between 0 and 1");
+            return Err(Error::BadOption { what, expected, value });
+        }
         match self.tolerance {
             Some(value) if !(value > 0.0 && value.is_finite()) => Err(Error::BadOption {
                 what: "the tolerance",
@@ -213,6 +231,11 @@ pub struct FitReport {
     pub mean: f64,
     /// What distances were divided by.
     pub unit: f64,
+    /// Largest distance, in the chosen norm, that the push-back had to move a limit point after the
+    /// stages were done; `None` if there was none. [`max`](Self::max) is what is left after it.
+    pub pushed_back: Option<f64>,
+    /// What fairing did, if it was asked for.
+    pub fairing: Option<Fairing>,
 }
 
 impl FitReport {
@@ -329,6 +352,15 @@ impl<'t> Interpolator<'t> {
         options: &Options,
         observer: &mut Observer<'_>,
     ) -> Result<(Vec<Vec3>, FitReport), Error> {
+        let scaled = self.scaled(target, options)?;
+        let solver = Solver::Method(options.method);
+        let (control, stages) = self.solve(&scaled, solver, scaled.stop, observer)?;
+        let limit = limit_points(self.topology, &control, self.rules)?;
+        let report = self.report(&scaled, &limit, stages);
+        Ok((scaled.back(&control), report))
+    }
+
+    fn scaled(&self, target: &[Vec3], options: &Options) -> Result<Scaled, Error> {
         options.check()?;
         assert_eq!(target.len(), self.topology.vertex_count(), "one target per vertex");
         // A power of two: scaling loses nothing, and no square can over- or underflow after it.
@@ -341,24 +373,44 @@ impl<'t> Interpolator<'t> {
             norm => norm.unit(&bounds),
         };
         let stop = Stop { tolerance: options.tolerance, unit, max_updates: options.iterations };
+        Ok(Scaled { target, exponent, stop })
+    }
 
-        let mut control = target.clone();
+    /// Control values for scaled targets, all stages one after the other.
+    fn solve(
+        &self,
+        scaled: &Scaled,
+        solver: Solver,
+        stop: Stop,
+        observer: &mut Observer<'_>,
+    ) -> Result<(Vec<Vec3>, Vec<StageReport>), Error> {
+        let mut control = scaled.target.clone();
         let mut stages = Vec::new();
         for stage in &self.stages {
             let name = stage.name;
             let mut observe = |step| observer(name, step);
-            let solve = stage.fit(&target, &mut control, options.method, stop, &mut observe)?;
+            let solve = stage.fit(&scaled.target, &mut control, solver, stop, &mut observe)?;
             stages.push(StageReport { name, vertex_count: stage.unknown_count(), solve });
         }
-        let (max, mean) = self.residual(&target, &control)?;
-        let control = par::collect(control.len(), |v| ldexp(control[v], exponent));
-        let (max, mean) = (max / unit, mean / unit);
-        Ok((control, FitReport { stages, max, mean, unit: libm::ldexp(unit, exponent) }))
+        Ok((control, stages))
+    }
+
+    /// What a fit did whose limit points, scaled, are `limit`.
+    fn report(&self, scaled: &Scaled, limit: &[Vec3], stages: Vec<StageReport>) -> FitReport {
+        let (max, mean) = self.residual(&scaled.target, limit);
+        let unit = scaled.stop.unit;
+        FitReport {
+            stages,
+            max: max / unit,
+            mean: mean / unit,
+            unit: libm::ldexp(unit, scaled.exponent),
+            pushed_back: None,
+            fairing: None,
+        }
     }
 
     /// Largest and mean distance of the limit points from their targets.
-    fn residual(&self, target: &[Vec3], control: &[Vec3]) -> Result<(f64, f64), Error> {
-        let limit = limit_points(self.topology, control, self.rules)?;
+    fn residual(&self, target: &[Vec3], limit: &[Vec3]) -> (f64, f64) {
         let blocks = par::blocks(limit.len(), |range| {
             range.fold((0.0_f64, 0.0, 0_usize), |(max, sum, count), v| {
                 if self.topology.is_isolated(VertexId(v as u32)) {
@@ -370,8 +422,30 @@ impl<'t> Interpolator<'t> {
         });
         let (max, sum, count) =
             blocks.into_iter().fold((0.0_f64, 0.0, 0), |a, b| (a.0.max(b.0), a.1 + b.1, a.2 + b.2));
-        Ok((max, sum / (count as f64).max(1.0)))
+        (max, sum / (count as f64).max(1.0))
     }
+}
+
+/// Targets divided by a power of two, and when to stop in that scale.
+struct Scaled {
+    target: Vec<Vec3>,
+    exponent: i32,
+    stop: Stop,
+}
+
+impl Scaled {
+    /// Values in the scale of the mesh.
+    fn back(&self, values: &[Vec3]) -> Vec<Vec3> {
+        par::collect(values.len(), |v| ldexp(values[v], self.exponent))
+    }
+}
+
+/// How a stage is solved.
+#[derive(Clone, Copy)]
+enum Solver {
+    Method(Method),
+    /// Chebyshev for the spectrum that meshes have in practice, come what may.
+    Usual,
 }
 
 /// The exponent of the power of two that is to be divided out, so that all is about one.
@@ -409,7 +483,7 @@ impl Stage {
         &self,
         target: &[Vec3],
         control: &mut [Vec3],
-        method: Method,
+        solver: Solver,
         stop: Stop,
         observer: &mut solve::Observer<'_>,
     ) -> Result<Report, Error> {
@@ -419,12 +493,13 @@ impl Stage {
         let goal = gather(target, n);
         let mut x = gather(control, self.vertices.len());
         let report = match &self.operator {
-            StageOperator::Ring(operator) => run(operator, &goal, &mut x, method, stop, observer),
+            StageOperator::Ring(operator) => run(operator, &goal, &mut x, solver, stop, observer),
             StageOperator::Rows(operator) => {
-                if method == Method::ConjugateGradients && !operator.is_symmetric() {
+                let is_cg = matches!(solver, Solver::Method(Method::ConjugateGradients));
+                if is_cg && !operator.is_symmetric() {
                     return Err(Error::NotSymmetric);
                 }
-                run(operator, &goal, &mut x, method, stop, observer)
+                run(operator, &goal, &mut x, solver, stop, observer)
             }
         }?;
         for (&v, &x) in self.vertices[..n].iter().zip(&x) {
@@ -438,13 +513,17 @@ fn run<A: LinearOperator>(
     operator: &A,
     target: &[Vec3],
     x: &mut Vec<Vec3>,
-    method: Method,
+    solver: Solver,
     stop: Stop,
     observer: &mut solve::Observer<'_>,
 ) -> Result<Report, Error> {
     let usual = operator.usual_smallest_eigenvalue();
     // Where nothing is guaranteed, the process still converges, only nobody knows how fast.
     let guaranteed = operator.smallest_eigenvalue_bound().max(LEAST);
+    let Solver::Method(method) = solver else {
+        let interval = Interval::Chebyshev { smallest: usual };
+        return solve::stationary(operator, target, x, interval, stop, observer);
+    };
     let interval = match method {
         Method::Auto => Interval::Hopeful { usual, guaranteed },
         Method::Plain => Interval::Plain,

@@ -15,7 +15,7 @@ mod loop_step;
 
 use catmull_clark_step::CatmullClarkRows;
 pub(crate) use catmull_clark_step::centroid;
-pub(crate) use doo_sabin_step::DooSabinRows;
+pub(crate) use doo_sabin_step::{DooSabinRows, boundary_numbers};
 use loop_step::LoopRows;
 
 /// One refinement step: the finer topology, and how values are carried over to it.

@@ -72,4 +72,28 @@ impl Stencils {
             sum
         })
     }
+
+    /// The rows that take values back: entry `(i, j)` becomes `(j, i)`.
+    #[must_use]
+    pub fn transposed(&self) -> Self {
+        let mut row_start = alloc::vec![0; self.source_count + 1];
+        for &s in &self.source {
+            row_start[s as usize + 1] += 1;
+        }
+        for i in 0..self.source_count {
+            row_start[i + 1] += row_start[i];
+        }
+        let mut end = row_start.clone();
+        let mut source = alloc::vec![0; self.source.len()];
+        let mut weight = alloc::vec![0.0; self.source.len()];
+        for i in 0..self.row_count() {
+            for (s, w) in self.row(i) {
+                let at = &mut end[s.index()];
+                source[*at as usize] = i as u32;
+                weight[*at as usize] = w;
+                *at += 1;
+            }
+        }
+        Self::from_arrays(self.row_count(), row_start, source, weight)
+    }
 }

@@ -1,0 +1,127 @@
+//! Fits that end one level down: push-back and fairing.
+
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+use super::{FitReport, Interpolator, Method, Observer, Options, Solver};
+use crate::error::Error;
+use crate::fair::{self, Fairing};
+use crate::ids::VertexId;
+use crate::pushback::{PushBack, singular_components};
+use crate::{Mesh, Rules, Vec3};
+
+/// Updates before a push-back. What they leave over moves the surface between the vertices by less
+/// than one can see: its curvature energy is within a percent of that of the converged surface.
+const UPDATES: u32 = 6;
+
+/// A control mesh whose limit surface passes through the vertices of a target mesh.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Fit {
+    /// The control mesh, refined [`level`](Self::level) times from the connectivity of the target.
+    /// Its first vertices are those of the target, except for Doo–Sabin at level 1, where
+    /// [`PushBack::limit_stencils`] tells the limit points of the target's vertices.
+    pub control: Mesh,
+    /// The rules with which to refine the control mesh further.
+    pub rules: Rules,
+    /// 0, or 1 after a push-back.
+    pub level: u32,
+    /// What it took.
+    pub report: FitReport,
+    /// One vertex of each connected component that no control mesh of level 0 interpolates, see
+    /// [`singular_components`].
+    pub singular: Vec<VertexId>,
+}
+
+/// The control mesh whose limit surface passes through every vertex of `target`: by solving, if that
+/// is enough, otherwise by solving a little and then pushing back.
+///
+/// ```
+/// use core::ops::ControlFlow;
+/// use fairform::{Rules, Scheme, interpolate, shapes};
+/// // No control cube has the alternately dented cube as its Catmull–Clark limit.
+/// let cube = shapes::cube();
+/// let dent = |(i, &p): (usize, &fairform::Vec3)| if i == 0 { 0.2 * p + p } else { p };
+/// let dented = cube.with_positions(cube.positions().iter().enumerate().map(dent).collect());
+/// let mut go_on = |_, _| ControlFlow::Continue(());
+/// let options = interpolate::Options::default();
+/// let rules = Rules::from(Scheme::CatmullClark);
+/// let fit = interpolate::fit_mesh(&dented, &rules, &options, &mut go_on)?;
+/// assert_eq!((fit.level, fit.singular.len()), (1, 1));
+/// assert!(fit.report.max < 1e-15);
+/// # Ok::<(), fairform::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`Interpolator::new`], [`Interpolator::fit`] and [`PushBack::new`].
+pub fn fit_mesh(
+    target: &Mesh,
+    rules: &Rules,
+    options: &Options,
+    observer: &mut Observer<'_>,
+) -> Result<Fit, Error> {
+    let topology = target.topology();
+    let interpolator = Interpolator::new(topology, rules)?;
+    let singular = singular_components(topology, rules);
+    if singular.is_empty() && !options.exact && options.fair.is_none() {
+        let (control, report) = interpolator.fit(target.positions(), options, observer)?;
+        let control = target.with_positions(control);
+        return Ok(Fit { control, rules: rules.clone(), level: 0, report, singular });
+    }
+    let pushback = PushBack::new(topology, rules)?;
+    let (control, report) =
+        interpolator.fit_exactly(&pushback, target.positions(), options, observer)?;
+    let step = pushback.into_step();
+    let control = Mesh::from_parts(Arc::new(step.topology), control);
+    Ok(Fit { control, rules: step.next, level: 1, report, singular })
+}
+
+impl Interpolator<'_> {
+    /// The values on the mesh refined once, by `pushback` of the same topology and rules, whose limit
+    /// values at the vertices are `target` up to rounding.
+    ///
+    /// The solve before the push-back makes six updates of Chebyshev's recurrence, after which nobody
+    /// sees a difference; or exactly [`Options::iterations`] if there is no tolerance. With a method
+    /// other than [`Method::Auto`] it runs as [`fit`](Self::fit) does, except where the limit operator
+    /// is singular, since it would not end.
+    ///
+    /// # Errors
+    /// As [`fit`](Self::fit).
+    ///
+    /// # Panics
+    /// As [`fit`](Self::fit); if `pushback` is of another topology.
+    pub fn fit_exactly(
+        &self,
+        pushback: &PushBack<'_>,
+        target: &[Vec3],
+        options: &Options,
+        observer: &mut Observer<'_>,
+    ) -> Result<(Vec<Vec3>, FitReport), Error> {
+        let scaled = self.scaled(target, options)?;
+        let is_singular = !singular_components(self.topology, self.rules).is_empty();
+        let solver = match options.method {
+            method if method != Method::Auto && !is_singular => Solver::Method(method),
+            _ => Solver::Usual,
+        };
+        let mut stop = scaled.stop;
+        if matches!(solver, Solver::Usual) && stop.tolerance.take().is_some() {
+            stop.max_updates = UPDATES.min(options.iterations);
+        }
+        let (control, stages) = self.solve(&scaled, solver, stop, observer)?;
+        let mut finer = pushback.step().apply(&control);
+        let pushed_back = pushback.correct(&scaled.target, &mut finer);
+        let fairing: Option<Fairing> = options.fair.map(|weight| {
+            let mut fairing = fair::fair(pushback, &mut finer, weight);
+            // Twice, since the square of a small unit may be zero.
+            for energy in [&mut fairing.before, &mut fairing.after] {
+                *energy = *energy / scaled.stop.unit / scaled.stop.unit;
+            }
+            // Fairing keeps the limit points up to rounding; this rounds once, not in every update.
+            pushback.correct(&scaled.target, &mut finer);
+            fairing
+        });
+        let mut report = self.report(&scaled, &pushback.limit_points(&finer), stages);
+        report.pushed_back = Some(pushed_back / scaled.stop.unit);
+        report.fairing = fairing;
+        Ok((scaled.back(&finer), report))
+    }
+}
