@@ -5,6 +5,7 @@ use core::f64::consts::PI;
 
 use libm::{cos, sin};
 
+use super::interpolating::InterpolatingTangents;
 use super::local::Local;
 use crate::crease::Sharpness;
 use crate::error::Error;
@@ -24,8 +25,16 @@ use crate::{Topology, Vec3, par};
 /// convention of
 /// [`inward_tangent_weight`](crate::scheme::loop_scheme::inward_tangent_weight).
 ///
+/// The butterfly scheme has a tangent plane at every interior vertex. On the boundary the result is
+/// across the boundary curve and the inner directions that shrink slowest, at a vertex with one face
+/// only approximately. Kobbelt's scheme has one at interior vertices, for valence 3 only if the
+/// [tension](crate::scheme::kobbelt::VALENCE_3_SMOOTH_UP_TO) is not too high, and on the boundary at
+/// vertices with two faces and at sharp corners; at others the result is the mean of the normals of
+/// the faces, at a smooth corner approximate. Interior vertices with two faces have none: zero.
+///
 /// # Errors
-/// As [`limit_points`](super::limit_points).
+/// As [`limit_points`](super::limit_points); for interpolating schemes [`Error::TooLarge`] if there
+/// is no room for one step.
 ///
 /// # Panics
 /// If there is not one point per vertex.
@@ -49,7 +58,7 @@ pub fn limit_normals(
 /// points outwards. On a crease those of one side. Zero at isolated vertices.
 ///
 /// # Errors
-/// As [`limit_points`](super::limit_points).
+/// As [`limit_normals`].
 ///
 /// # Panics
 /// If there is not one point per vertex.
@@ -73,6 +82,7 @@ struct Tangents<'a> {
     rules: &'a Rules,
     points: &'a [Vec3],
     images: Option<DooSabinRows<'a>>,
+    interpolating: Option<InterpolatingTangents<'a>>,
 }
 
 impl<'a> Tangents<'a> {
@@ -80,7 +90,11 @@ impl<'a> Tangents<'a> {
         assert_eq!(points.len(), topology.vertex_count(), "one point per vertex");
         super::check(topology, rules)?;
         let images = (rules.scheme == Scheme::DooSabin).then(|| DooSabinRows::new(topology, rules));
-        Ok(Self { sharp: rules.sharpness(topology), rules, points, images })
+        let interpolating = match rules.scheme.is_interpolating() {
+            true => Some(InterpolatingTangents::new(topology, points, rules)?),
+            false => None,
+        };
+        Ok(Self { sharp: rules.sharpness(topology), rules, points, images, interpolating })
     }
 
     /// The tangents at a vertex, for each of its sectors between sharp edges.
@@ -92,6 +106,9 @@ impl<'a> Tangents<'a> {
         let point = |q: VertexId| self.points[q.index()];
         if let Some(images) = &self.images {
             return found(self.doo_sabin(images, v));
+        }
+        if let Some(tangents) = &self.interpolating {
+            return tangents.at(v, &mut found);
         }
         if self.rules.scheme == Scheme::Loop
             && self.rules.creases.is_none()
