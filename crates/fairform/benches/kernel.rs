@@ -11,7 +11,6 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use fairform::interpolate::{Interpolator, Method, Options};
 use fairform::{Mesh, Rules, Topology, Vec3, limit, refine, shapes};
 
-
 fn meshes() -> Vec<Mesh> {
     let large = std::env::var_os("FAIRFORM_BENCH_LARGE").is_some();
     let sides: &[u32] = if large { &[100, 400, 1600] } else { &[100, 400] };
@@ -38,9 +37,7 @@ fn refinement(c: &mut Criterion) {
         let step = refine::refine(mesh.topology(), &Rules::LOOP).expect("triangles");
         group.throughput(Throughput::Elements((count + mesh.topology().edge_count()) as u64));
         group.bench_with_input(BenchmarkId::new("topology", count), &mesh, |b, mesh| {
-            b.iter(|| {
-                refine::refine(mesh.topology(), &Rules::LOOP).expect("triangles").topology
-            });
+            b.iter(|| refine::refine(mesh.topology(), &Rules::LOOP).expect("triangles").topology);
         });
         group.bench_with_input(BenchmarkId::new("positions", count), &mesh, |b, mesh| {
             b.iter(|| step.apply(mesh.positions()));

@@ -134,6 +134,19 @@ pub enum Error {
         /// The scheme's name.
         scheme: &'static str,
     },
+    /// A scheme for quadrilaterals met another polygon.
+    #[error(
+        "face {face} has {count} corners, but the {scheme} scheme needs quadrilaterals; one \
+         Catmull–Clark step makes them of any polygons"
+    )]
+    NotQuadrilaterals {
+        /// The first such face.
+        face: FaceId,
+        /// Its number of corners.
+        count: usize,
+        /// The scheme's name.
+        scheme: &'static str,
+    },
     /// More half-edges than the 31-bit ids can number.
     #[error(
         "the mesh would have {halfedges} half-edges; at most {} can be numbered",

@@ -302,7 +302,8 @@ enum StageOperator {
 }
 
 impl<'t> Interpolator<'t> {
-    /// Prepares the limit operator of a topology.
+    /// Prepares the limit operator of a topology. For an interpolating scheme there is nothing to
+    /// solve: no stages, and the control values are the targets.
     ///
     /// # Errors
     /// [`Error::NoVertices`]; as [`limit_points`].
@@ -310,6 +311,9 @@ impl<'t> Interpolator<'t> {
         limit::check(topology, rules)?;
         if topology.vertex_count() == 0 {
             return Err(Error::NoVertices);
+        }
+        if rules.scheme.is_interpolating() {
+            return Ok(Self { topology, rules, stages: Vec::new() });
         }
         let parts = Parts::new(topology, rules);
         let closed = parts.curves.is_empty() && parts.known.is_empty();
@@ -619,6 +623,8 @@ fn curve_bound(topology: &Topology, rules: &Rules) -> Bound {
     let guaranteed = match (rules.scheme, &rules.tension) {
         (Scheme::Loop, _) => loop_scheme::BOUNDARY_SMALLEST_EIGENVALUE,
         (Scheme::CatmullClark, _) => catmull_clark::CURVE_SMALLEST_EIGENVALUE,
+        // Nothing is solved for: all vertices are known.
+        (Scheme::Butterfly | Scheme::Kobbelt, _) => 1.0,
         (Scheme::DooSabin, None) => doo_sabin::CHAIKIN,
         (Scheme::DooSabin, Some(_)) => {
             let images = DooSabinRows::new(topology, rules);
@@ -648,6 +654,7 @@ fn interior_bound(topology: &Topology, rules: &Rules, vertices: &[u32]) -> Bound
         (Scheme::CatmullClark, _) => {
             Bound { guaranteed: catmull_clark::smallest_eigenvalue_bound(smallest), usual: 0.1 }
         }
+        (Scheme::Butterfly | Scheme::Kobbelt, _) => Bound { guaranteed: 1.0, usual: 1.0 },
         (Scheme::DooSabin, None) => {
             let guaranteed = doo_sabin::SMALLEST_EIGENVALUE;
             Bound { guaranteed, usual: guaranteed }

@@ -12,6 +12,7 @@ use crate::scheme::loop_scheme::limit_weight;
 use crate::scheme::{Border, Rules, Scheme, catmull_clark};
 use crate::{Stencils, Topology, Vec3};
 
+mod interpolating;
 mod local;
 mod normals;
 pub(crate) mod operator;
@@ -21,7 +22,7 @@ pub use normals::{limit_normals, limit_tangents};
 use local::Local;
 
 /// The rows that take control points to the limit points of the vertices, one row per vertex. An
-/// isolated vertex is its own limit point.
+/// isolated vertex is its own limit point, as is every vertex in an interpolating scheme.
 ///
 /// # Errors
 /// As [`Rules::check`]; [`Error::NoLimit`] for vertices that Doo and Sabin's scheme gives no limit
@@ -179,7 +180,7 @@ impl Rows for LimitRows<'_> {
     #[inline]
     fn visit(&self, row: usize, mut entry: impl FnMut(u32, f64)) {
         let v = VertexId(row as u32);
-        if self.sharp.topology.is_isolated(v) {
+        if self.sharp.topology.is_isolated(v) || self.rules.scheme.is_interpolating() {
             return entry(v.0, 1.0);
         }
         if let Some(images) = &self.images {

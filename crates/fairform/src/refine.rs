@@ -9,13 +9,17 @@ use crate::rows;
 use crate::scheme::{Rules, Scheme};
 use crate::{Mesh, Stencils, Topology, Vec3};
 
+mod butterfly_step;
 mod catmull_clark_step;
 mod doo_sabin_step;
+mod kobbelt_step;
 mod loop_step;
 
+pub(crate) use butterfly_step::ButterflyRows;
 use catmull_clark_step::CatmullClarkRows;
 pub(crate) use catmull_clark_step::centroid;
 pub(crate) use doo_sabin_step::{DooSabinRows, boundary_numbers};
+pub(crate) use kobbelt_step::KobbeltRows;
 use loop_step::LoopRows;
 
 /// One refinement step: the finer topology, and how values are carried over to it.
@@ -36,8 +40,8 @@ pub struct Refined<'t> {
 pub fn refine<'t>(topology: &'t Topology, rules: &'t Rules) -> Result<Refined<'t>, Error> {
     check_size(topology, rules, 1)?;
     let finer = match rules.scheme {
-        Scheme::Loop => loop_step::finer_topology(topology),
-        Scheme::CatmullClark => catmull_clark_step::finer_topology(topology),
+        Scheme::Loop | Scheme::Butterfly => loop_step::finer_topology(topology),
+        Scheme::CatmullClark | Scheme::Kobbelt => catmull_clark_step::finer_topology(topology),
         Scheme::DooSabin => doo_sabin_step::finer_topology(topology, rules.border)?,
     };
     let halves = |e| {
@@ -68,6 +72,8 @@ impl Refined<'_> {
                 rows::apply(&CatmullClarkRows::new(self.coarse, self.rules), values)
             }
             Scheme::DooSabin => rows::apply(&DooSabinRows::new(self.coarse, self.rules), values),
+            Scheme::Butterfly => ButterflyRows::new(self.coarse).apply(values),
+            Scheme::Kobbelt => KobbeltRows::new(self.coarse, self.rules).apply(values),
         }
     }
 
@@ -81,6 +87,8 @@ impl Refined<'_> {
                 rows::stencils(&CatmullClarkRows::new(self.coarse, self.rules), count)
             }
             Scheme::DooSabin => rows::stencils(&DooSabinRows::new(self.coarse, self.rules), count),
+            Scheme::Butterfly => rows::stencils(&ButterflyRows::new(self.coarse), count),
+            Scheme::Kobbelt => rows::stencils(&KobbeltRows::new(self.coarse, self.rules), count),
         }
     }
 
@@ -91,8 +99,8 @@ impl Refined<'_> {
     #[must_use]
     pub fn parent(&self, face: FaceId) -> FaceId {
         match self.rules.scheme {
-            Scheme::Loop => FaceId(face.0 / 4),
-            Scheme::CatmullClark => self.coarse.face(HalfedgeId(face.0)),
+            Scheme::Loop | Scheme::Butterfly => FaceId(face.0 / 4),
+            Scheme::CatmullClark | Scheme::Kobbelt => self.coarse.face(HalfedgeId(face.0)),
             Scheme::DooSabin => doo_sabin_step::parent(self.coarse, &self.topology, face),
         }
     }
@@ -107,8 +115,10 @@ impl Refined<'_> {
     pub fn apply_to_corners(&self, values: &[Vec3]) -> Option<Vec<Vec3>> {
         assert_eq!(values.len(), self.coarse.halfedge_count(), "one value per corner");
         match self.rules.scheme {
-            Scheme::Loop => Some(loop_step::apply_to_corners(values)),
-            Scheme::CatmullClark => Some(catmull_clark_step::apply_to_corners(self.coarse, values)),
+            Scheme::Loop | Scheme::Butterfly => Some(loop_step::apply_to_corners(values)),
+            Scheme::CatmullClark | Scheme::Kobbelt => {
+                Some(catmull_clark_step::apply_to_corners(self.coarse, values))
+            }
             Scheme::DooSabin => None,
         }
     }
@@ -161,13 +171,13 @@ pub fn check_size(topology: &Topology, rules: &Rules, levels: u32) -> Result<Siz
     }
     for _ in 0..levels {
         size = match rules.scheme {
-            Scheme::Loop => Size {
+            Scheme::Loop | Scheme::Butterfly => Size {
                 vertex_count: size.vertex_count + size.edge_count,
                 edge_count: 2 * size.edge_count + 3 * size.face_count,
                 face_count: 4 * size.face_count,
                 halfedge_count: 4 * size.halfedge_count,
             },
-            Scheme::CatmullClark => Size {
+            Scheme::CatmullClark | Scheme::Kobbelt => Size {
                 vertex_count: size.vertex_count + size.edge_count + size.face_count,
                 edge_count: 2 * size.edge_count + size.halfedge_count,
                 face_count: size.halfedge_count,

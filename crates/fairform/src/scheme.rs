@@ -2,16 +2,19 @@
 //! scheme with its choices.
 
 use alloc::sync::Arc;
+use alloc::vec::Vec;
 use core::fmt;
 use core::str::FromStr;
 
 use crate::Topology;
 use crate::crease::{Creases, Sharpness};
 use crate::error::Error;
-use crate::ids::FaceId;
+use crate::ids::{FaceId, VertexId};
 
+pub mod butterfly;
 pub mod catmull_clark;
 pub mod doo_sabin;
+pub mod kobbelt;
 pub mod loop_scheme;
 
 /// A subdivision scheme.
@@ -25,11 +28,18 @@ pub enum Scheme {
     CatmullClark,
     /// Doo and Sabin's scheme for polygons, see [`doo_sabin`].
     DooSabin,
+    /// The modified butterfly scheme for triangles, which passes through the vertices by itself, see
+    /// [`butterfly`].
+    Butterfly,
+    /// Kobbelt's scheme for quadrilaterals, which passes through the vertices by itself, see
+    /// [`kobbelt`].
+    Kobbelt,
 }
 
 impl Scheme {
     /// All schemes.
-    pub const ALL: &'static [Self] = &[Self::Loop, Self::CatmullClark, Self::DooSabin];
+    pub const ALL: &'static [Self] =
+        &[Self::Loop, Self::CatmullClark, Self::DooSabin, Self::Butterfly, Self::Kobbelt];
 
     /// Its name on the command line and in files.
     #[must_use]
@@ -38,7 +48,15 @@ impl Scheme {
             Self::Loop => "loop",
             Self::CatmullClark => "catmull-clark",
             Self::DooSabin => "doo-sabin",
+            Self::Butterfly => "butterfly",
+            Self::Kobbelt => "kobbelt",
         }
+    }
+
+    /// Whether vertices stay where they are, so that every mesh is its own control mesh.
+    #[must_use]
+    pub const fn is_interpolating(self) -> bool {
+        matches!(self, Self::Butterfly | Self::Kobbelt)
     }
 }
 
@@ -58,10 +76,11 @@ impl FromStr for Scheme {
 
 /// There is no scheme of that name.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
-#[error("no such scheme; there are loop, catmull-clark, doo-sabin")]
+#[error("no such scheme; there are loop, catmull-clark, doo-sabin, butterfly, kobbelt")]
 pub struct UnknownScheme;
 
-/// What happens at a corner of the boundary: a boundary vertex with one face.
+/// What happens at a corner of the boundary: a boundary vertex with one face. Doo–Sabin and butterfly
+/// treat it like any other.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Corners {
     /// The boundary curve rounds it like any other vertex, as published. OpenSubdiv's "edge only".
@@ -83,7 +102,7 @@ pub enum Border {
 }
 
 /// A scheme with its choices, and what it needs to know of a mesh besides the connectivity.
-#[derive(Clone, PartialEq, Debug, Default)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Rules {
     /// The scheme.
     pub scheme: Scheme,
@@ -96,11 +115,23 @@ pub struct Rules {
     pub tension: Option<Arc<[f64]>>,
     /// Sharp edges and vertices; for Loop and Catmull–Clark.
     pub creases: Option<Arc<Creases>>,
+    /// Tension of Kobbelt's scheme, 1 as published; smooth between 0 and
+    /// [`kobbelt::SMOOTH_BELOW`], see [`warnings`](Self::warnings).
+    pub kobbelt_weight: f64,
+}
+
+impl Default for Rules {
+    fn default() -> Self {
+        Self::LOOP
+    }
 }
 
 impl From<Scheme> for Rules {
+    /// The scheme with its usual choices: corners are smooth as published, but sharp for Kobbelt's,
+    /// where an open grid then is a tensor product.
     fn from(scheme: Scheme) -> Self {
-        Self { scheme, ..Self::default() }
+        let corners = if scheme == Scheme::Kobbelt { Corners::Sharp } else { Corners::Smooth };
+        Self { scheme, corners, ..Self::default() }
     }
 }
 
@@ -112,18 +143,35 @@ impl Rules {
         border: Border::Bspline,
         tension: None,
         creases: None,
+        kobbelt_weight: 1.0,
     };
 
     /// Whether the rules can be applied to such a mesh.
     ///
     /// # Errors
-    /// [`Error::NotTriangles`] if the scheme needs triangles and a face is none;
-    /// [`Error::BadTension`] and [`Error::WrongCount`] for shape parameters and creases that do not
+    /// [`Error::NotTriangles`] and [`Error::NotQuadrilaterals`] if the scheme needs such faces and one
+    /// is not; [`Error::BadOption`] for a tension that is not finite or not above −8, where the
+    /// rules end; [`Error::BadTension`] and [`Error::WrongCount`] for shape parameters and creases that do not
     /// fit; [`Error::NotForScheme`] for a choice that the scheme does not know.
     pub fn check(&self, topology: &Topology) -> Result<(), Error> {
         let scheme = self.scheme.name();
-        if self.scheme == Scheme::Loop {
-            check_triangles(topology, scheme)?;
+        match self.scheme {
+            Scheme::Loop | Scheme::Butterfly => {
+                if let Some((face, count)) = odd_face(topology, 3) {
+                    return Err(Error::NotTriangles { face, count, scheme });
+                }
+            }
+            Scheme::Kobbelt => {
+                if let Some((face, count)) = odd_face(topology, 4) {
+                    return Err(Error::NotQuadrilaterals { face, count, scheme });
+                }
+                let value = self.kobbelt_weight;
+                if !(value.is_finite() && value > -8.0) {
+                    let what = "the tension of Kobbelt's scheme";
+                    return Err(Error::BadOption { what, expected: "finite and above -8", value });
+                }
+            }
+            Scheme::CatmullClark | Scheme::DooSabin => {}
         }
         if let Some(tension) = &self.tension {
             if self.scheme != Scheme::DooSabin {
@@ -132,7 +180,7 @@ impl Rules {
             check_tension(tension, topology.face_count())?;
         }
         if let Some(creases) = &self.creases {
-            if self.scheme == Scheme::DooSabin {
+            if !matches!(self.scheme, Scheme::Loop | Scheme::CatmullClark) {
                 return Err(Error::NotForScheme { what: "a crease", scheme });
             }
             if !creases.fits(topology) {
@@ -143,18 +191,37 @@ impl Rules {
         Ok(())
     }
 
+    /// What is allowed, but does not give a smooth surface.
+    #[must_use]
+    pub fn warnings(&self, topology: &Topology) -> Vec<Warning> {
+        let mut warnings = Vec::new();
+        if self.scheme != Scheme::Kobbelt {
+            return warnings;
+        }
+        let weight = self.kobbelt_weight;
+        if !(weight > 0.0 && weight < kobbelt::SMOOTH_BELOW) {
+            warnings.push(Warning::TensionOutside { weight });
+        }
+        if weight > kobbelt::VALENCE_3_SMOOTH_UP_TO {
+            let is_three = |v: &VertexId| topology.fan_size(*v) == 3 && !topology.is_boundary(*v);
+            let rough = topology.vertices().find(is_three);
+            warnings.extend(rough.map(|vertex| Warning::ValenceThree { vertex, weight }));
+        }
+        warnings
+    }
+
     pub(crate) fn sharpness<'a>(&'a self, topology: &'a Topology) -> Sharpness<'a> {
         Sharpness { topology, corners: self.corners, creases: self.creases.as_deref() }
     }
 }
 
-fn check_triangles(topology: &Topology, scheme: &'static str) -> Result<(), Error> {
-    let size = |f: &FaceId| topology.face_halfedges(*f).len();
-    let odd = match topology.uniform_face_size() {
-        Some(3) => None,
-        _ => topology.faces().find(|f| size(f) != 3),
-    };
-    odd.map_or(Ok(()), |face| Err(Error::NotTriangles { face, count: size(&face), scheme }))
+/// The first face with another number of corners, and its number.
+fn odd_face(topology: &Topology, size: u32) -> Option<(FaceId, usize)> {
+    if topology.uniform_face_size() == Some(size) {
+        return None;
+    }
+    let with_count = |f| (f, topology.face_halfedges(f).len());
+    topology.faces().map(with_count).find(|(_, count)| *count != size as usize)
 }
 
 fn check_tension(tension: &[f64], face_count: usize) -> Result<(), Error> {
@@ -166,4 +233,29 @@ fn check_tension(tension: &[f64], face_count: usize) -> Result<(), Error> {
         Some(f) => Err(Error::BadTension { face: FaceId(f as u32), value: tension[f] }),
         None => Ok(()),
     }
+}
+
+/// Something that [`Rules`] allow, but that does not give a smooth surface.
+#[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Warning {
+    /// A tension of Kobbelt's scheme for which smoothness is not proved, even of curves.
+    #[error(
+        "a tension of {weight} may not give a smooth surface; it should be above 0 and below 2.472"
+    )]
+    TensionOutside {
+        /// The tension.
+        weight: f64,
+    },
+    /// A tension of Kobbelt's scheme for which normals at vertices of valence 3 do not converge.
+    #[error(
+        "with a tension of {weight}, above 1.66, the surface has no normal at vertex {vertex}, \
+         which has three faces"
+    )]
+    ValenceThree {
+        /// The first such vertex.
+        vertex: VertexId,
+        /// The tension.
+        weight: f64,
+    },
 }

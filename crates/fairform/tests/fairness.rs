@@ -10,7 +10,7 @@ use fairform::fairness::{
     mutual_deviation, samples, undulation, vertex_normals,
 };
 use fairform::interpolate::{Options, interpolate};
-use fairform::{Corners, Faces, Mesh, Scheme, Topology, Vec3, limit, refine, shapes};
+use fairform::{Faces, Mesh, Rules, Topology, Vec3, limit, refine, shapes};
 use proptest::prelude::*;
 
 /// A sampled surface with what is known of it at every vertex.
@@ -169,7 +169,7 @@ fn order(coarse: f64, fine: f64) -> f64 {
 
 /// The unit sphere: a closed triangle mesh refined and moved onto it.
 fn sphere(base: &Mesh, levels: u32) -> Sampled {
-    let mesh = refine::refine_mesh(base, Scheme::Loop, Corners::Smooth, levels).unwrap();
+    let (mesh, _) = refine::refine_mesh(base, &Rules::LOOP, levels).unwrap();
     let normals: Vec<Vec3> = mesh.positions().iter().map(|p| p.normalized()).collect();
     let exact = vec![[1.0; 2]; normals.len()];
     Sampled { mesh: mesh.with_positions(normals.clone()), normals, exact }
@@ -177,10 +177,10 @@ fn sphere(base: &Mesh, levels: u32) -> Sampled {
 
 /// The limit surface of a control mesh, sampled at the vertices of a refinement.
 fn limit_surface(control: &Mesh, levels: u32) -> Sampled {
-    let mesh = refine::refine_mesh(control, Scheme::Loop, Corners::Smooth, levels).unwrap();
+    let (mesh, _) = refine::refine_mesh(control, &Rules::LOOP, levels).unwrap();
     let (net, points) = (mesh.topology(), mesh.positions());
-    let positions = limit::limit_points(net, points, Scheme::Loop, Corners::Smooth).unwrap();
-    let normals = limit::limit_normals(net, points, Scheme::Loop, Corners::Smooth).unwrap();
+    let positions = limit::limit_points(net, points, &Rules::LOOP).unwrap();
+    let normals = limit::limit_normals(net, points, &Rules::LOOP).unwrap();
     Sampled { mesh: mesh.with_positions(positions), normals, exact: Vec::new() }
 }
 
@@ -530,7 +530,7 @@ fn the_numbering_does_not_matter() {
 fn a_surface_fitted_through_points_of_a_sphere_is_nearly_a_sphere() {
     let fit = |levels: u32| {
         let target = sphere(&shapes::icosahedron(), levels).mesh;
-        let (control, _) = interpolate(&target, &Options::default()).unwrap();
+        let (control, _) = interpolate(&target, &Rules::LOOP, &Options::default()).unwrap();
         let surface = limit_surface(&control, 3);
         (surface.measures(), mutual_deviation(&surface.mesh, &target), target)
     };

@@ -1,4 +1,4 @@
-//! Everything the reference values of `data/golden/loop` say.
+//! Everything the reference values of `data/golden` say about meshes.
 
 mod common;
 
@@ -14,7 +14,7 @@ use serde_json::Value;
 /// All fixtures of the schemes that this file checks, with their rules.
 fn fixtures() -> Vec<(String, Value, Rules)> {
     let mut all = Vec::new();
-    for scheme in [Scheme::Loop, Scheme::CatmullClark, Scheme::DooSabin] {
+    for &scheme in Scheme::ALL {
         for name in golden_names(scheme.name()) {
             let fixture = golden(&name);
             let tension = match &fixture["lambda"] {
@@ -24,19 +24,20 @@ fn fixtures() -> Vec<(String, Value, Rules)> {
             };
             let rules = Rules {
                 scheme,
-                corners: if fixture["corners"] == "sharp" {
-                    Corners::Sharp
-                } else {
-                    Corners::Smooth
+                corners: match fixture["corners"].as_str() {
+                    None => Rules::from(scheme).corners,
+                    Some("sharp") => Corners::Sharp,
+                    Some(_) => Corners::Smooth,
                 },
                 border: if fixture["boundary"] == "drop" { Border::Drop } else { Border::Bspline },
                 tension: tension.map(Into::into),
                 creases: None,
+                kobbelt_weight: fixture["w"].as_f64().unwrap_or(1.0),
             };
             all.push((name, fixture, rules));
         }
     }
-    assert!(all.len() > 50, "{} fixtures", all.len());
+    assert!(all.len() > 70, "{} fixtures", all.len());
     all
 }
 

@@ -15,7 +15,8 @@ pub(crate) struct Subject {
 pub(crate) fn subjects(side: u32, levels: u32) -> Vec<Subject> {
     let torus = shapes::torus(side, side);
     let sphere = refine::refine_mesh(&shapes::icosahedron(), &Rules::LOOP, levels)
-        .expect("an icosahedron can be refined").0;
+        .expect("an icosahedron can be refined")
+        .0;
     let (torus, sphere) = (subject("torus", torus), subject("sphere", sphere));
     let shuffled = shuffled("shuffled", &sphere);
     vec![torus, sphere, shuffled]

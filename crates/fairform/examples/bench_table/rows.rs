@@ -12,7 +12,6 @@ use fairform::{Rules, Topology, Vec3, limit, refine};
 use crate::Samples;
 use crate::meshes::Subject;
 
-
 /// A position or another triple.
 const POINT: f64 = 24.0;
 /// One index per half-edge.

@@ -5,6 +5,7 @@ use core::f64::consts::PI;
 
 use libm::{cos, sin};
 
+use super::interpolating::InterpolatingTangents;
 use super::local::Local;
 use crate::crease::Sharpness;
 use crate::error::Error;
@@ -24,8 +25,16 @@ use crate::{Topology, Vec3};
 /// convention of
 /// [`inward_tangent_weight`](crate::scheme::loop_scheme::inward_tangent_weight).
 ///
+/// The butterfly scheme has a tangent plane at every interior vertex. On the boundary the result is
+/// across the boundary curve and the inner directions that shrink slowest, at a vertex with one face
+/// only approximately. Kobbelt's scheme has one at interior vertices, for valence 3 only if the
+/// [tension](crate::scheme::kobbelt::VALENCE_3_SMOOTH_UP_TO) is not too high, and on the boundary at
+/// vertices with two faces and at sharp corners; at others the result is the mean of the normals of
+/// the faces, at a smooth corner approximate. Interior vertices with two faces have none: zero.
+///
 /// # Errors
-/// As [`limit_points`](super::limit_points).
+/// As [`limit_points`](super::limit_points); for interpolating schemes [`Error::TooLarge`] if there
+/// is no room for one step.
 ///
 /// # Panics
 /// If there is not one point per vertex.
@@ -51,7 +60,7 @@ pub fn limit_normals(
 /// points outwards. On a crease those of one side. Zero at isolated vertices.
 ///
 /// # Errors
-/// As [`limit_points`](super::limit_points).
+/// As [`limit_normals`].
 ///
 /// # Panics
 /// If there is not one point per vertex.
@@ -79,6 +88,7 @@ struct Tangents<'a> {
     images: Option<DooSabinRows<'a>>,
     /// Loop: tangent weights of all ring places, for the usual valences.
     weights: Vec<Vec<[f64; 2]>>,
+    interpolating: Option<InterpolatingTangents<'a>>,
 }
 
 impl<'a> Tangents<'a> {
@@ -88,7 +98,12 @@ impl<'a> Tangents<'a> {
         let images = (rules.scheme == Scheme::DooSabin).then(|| DooSabinRows::new(topology, rules));
         let row = |n: u32| (0..n).map(|i| tangent_weights(n, i)).collect();
         let weights = (0..=64).map(row).collect();
-        Ok(Self { sharp: rules.sharpness(topology), rules, points, images, weights })
+        let interpolating = match rules.scheme.is_interpolating() {
+            true => Some(InterpolatingTangents::new(topology, points, rules)?),
+            false => None,
+        };
+        let sharp = rules.sharpness(topology);
+        Ok(Self { sharp, rules, points, images, weights, interpolating })
     }
 
     /// The tangents at a vertex, for each of its sectors between sharp edges.
@@ -100,6 +115,9 @@ impl<'a> Tangents<'a> {
         let point = |q: VertexId| self.points[q.index()];
         if let Some(images) = &self.images {
             return found(self.doo_sabin(images, v));
+        }
+        if let Some(tangents) = &self.interpolating {
+            return tangents.at(v, &mut found);
         }
         if self.rules.scheme == Scheme::Loop
             && self.rules.creases.is_none()
