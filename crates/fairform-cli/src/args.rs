@@ -92,6 +92,14 @@ pub(crate) struct Fit {
     /// What distances are divided by: the diagonal of the bounding box, its longest side, or nothing.
     #[arg(long, default_value_t = Norm::Diagonal, value_name = "diagonal|longest-side|absolute")]
     pub(crate) norm: Norm,
+    /// Interpolate up to rounding, by a correction after one refinement step: the control mesh is then
+    /// one level finer.
+    #[arg(long)]
+    pub(crate) exact: bool,
+    /// Make the surface fairer while it keeps to the vertices, from 0 (as fitted) to 1 (fairest): for
+    /// noisy or unevenly spaced points. Implies --exact.
+    #[arg(long, value_name = "WEIGHT", value_parser = not_negative)]
+    pub(crate) fair: Option<f64>,
     /// Make exactly so many updates, or with --tolerance at most so many.
     #[arg(long, value_name = "K")]
     pub(crate) iterations: Option<u32>,
@@ -342,12 +350,17 @@ pub(crate) struct Writing {
 /// The subdivision rules.
 #[derive(clap::Args, Debug)]
 pub(crate) struct RuleOptions {
-    /// Subdivision scheme: loop for triangles, catmull-clark or doo-sabin for any polygons.
+    /// Subdivision scheme: loop for triangles, catmull-clark or doo-sabin for any polygons; butterfly
+    /// (triangles) and kobbelt (quadrilaterals) pass through the vertices by themselves.
     #[arg(long, default_value_t = Scheme::Loop, value_name = "SCHEME")]
     pub(crate) scheme: Scheme,
-    /// Boundary vertices with one face: rounded like others, or kept.
-    #[arg(long, value_enum, default_value_t = CornerChoice::Smooth)]
-    pub(crate) corners: CornerChoice,
+    /// Boundary vertices with one face: rounded like others, or kept [default: smooth; for kobbelt
+    /// sharp].
+    #[arg(long, value_enum)]
+    pub(crate) corners: Option<CornerChoice>,
+    /// Kobbelt's tension.
+    #[arg(long, default_value_t = 1.0, value_name = "X")]
+    pub(crate) w: f64,
     /// Doo–Sabin at the boundary: a B-spline of its own, or dropped.
     #[arg(long, value_enum, default_value_t = BorderChoice::Bspline)]
     pub(crate) boundary: BorderChoice,

@@ -8,17 +8,25 @@ use fairform::{Border, Corners, Creases, Rules, Scheme, tension};
 use serde_json::Value;
 
 use crate::args::{BorderChoice, CornerChoice, RuleOptions};
+use crate::console::Console;
 use crate::failure::Failure;
 use crate::surface::Surface;
 
-/// The rules for a surface.
-pub(crate) fn build(options: &RuleOptions, surface: &Surface) -> Result<Rules, Failure> {
+/// The rules for a surface, with warnings of what they may do to it.
+pub(crate) fn build(
+    options: &RuleOptions,
+    surface: &Surface,
+    console: &Console,
+) -> Result<Rules, Failure> {
     let mut rules = Rules {
         scheme: options.scheme,
         corners: match options.corners {
-            CornerChoice::Smooth => Corners::Smooth,
-            CornerChoice::Sharp => Corners::Sharp,
+            Some(CornerChoice::Smooth) => Corners::Smooth,
+            Some(CornerChoice::Sharp) => Corners::Sharp,
+            None if options.scheme == Scheme::Kobbelt => Corners::Sharp,
+            None => Corners::Smooth,
         },
+        kobbelt_weight: options.w,
         border: match options.boundary {
             BorderChoice::Bspline => Border::Bspline,
             BorderChoice::Drop => Border::Drop,
@@ -27,6 +35,9 @@ pub(crate) fn build(options: &RuleOptions, surface: &Surface) -> Result<Rules, F
     };
     rules.tension = tension_of(options, surface)?.map(Into::into);
     creases_of(options, surface, &mut rules)?;
+    for warning in rules.warnings(surface.mesh.topology()) {
+        console.note(format!("warning: {warning}"));
+    }
     Ok(rules)
 }
 

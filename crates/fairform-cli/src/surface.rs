@@ -3,7 +3,8 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use fairform::interpolate::{Interpolator, Norm, Options};
+use fairform::interpolate::{Fit, Interpolator, Norm, Options};
+use fairform::pushback::PushBack;
 use fairform::refine::{self, Refined};
 use fairform::{Mesh, Rules, Vec3, limit};
 use fairform_io::{Labels, MeshData};
@@ -107,6 +108,27 @@ impl Surface {
         // Normals describe the surface that was given; the new one has its own.
         self.normals = None;
         Ok(())
+    }
+
+    /// The control surface one level down, from a fit of the positions that ended with a push-back.
+    pub(crate) fn pushed_back(
+        &self,
+        fit: Fit,
+        interpolator: &Interpolator<'_>,
+        options: &Options,
+        progress: &Progress,
+    ) -> Result<Self, fairform::Error> {
+        let mut finer = self.refine(1, progress)?;
+        let mut given = self.clone();
+        let pushback = PushBack::new(self.mesh.topology(), &self.rules)?;
+        for (field, given) in finer.fields().zip(given.fields()) {
+            let mut go_on = |_, _| ControlFlow::Continue(());
+            *field = interpolator.fit_exactly(&pushback, given, options, &mut go_on)?.0;
+        }
+        finer.mesh = fit.control;
+        finer.rules = fit.rules;
+        finer.normals = None;
+        Ok(finer)
     }
 
     pub(crate) fn refine(&self, levels: u32, progress: &Progress) -> Result<Self, fairform::Error> {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use fairform::interpolate::{FitReport, Interpolator, Options, StageName};
+use fairform::interpolate::{self, FitReport, Interpolator, Method, Observer, Options, StageName};
 use fairform::solve::{Outcome, Step};
 use fairform::{Mesh, Rules, Topology};
 use fairform_io::{Format, MeshData};
@@ -43,7 +43,7 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
     let data = if given.is_some() { input::read(&source, console)? } else { sample()? };
     let mut target = Surface::new(data, &source)?;
     clock.lap("read");
-    target.rules = rules::build(&args.rules, &target)?;
+    target.rules = rules::build(&args.rules, &target, console)?;
     check_memory(&target, args.levels, &source)?;
     target.warn_of_losses(args.levels, console);
     target.warn_of_no_faces(&source, console);
@@ -59,15 +59,20 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
         progress.say(format!("{stage}: {} updates, largest error {:.2e}", step.updates, step.max));
         ControlFlow::Continue(())
     };
-    let (points, report) =
-        interpolator.fit(target.mesh.positions(), &options, &mut observe).map_err(at)?;
     let had_normals = target.normals.is_some();
-    let mut control = target.clone();
-    control.mesh = target.mesh.with_positions(points);
-    control.fit_fields(&interpolator, &options).map_err(at)?;
+    let fit = fit(args, &target, &interpolator, &options, &mut observe).map_err(at)?;
+    let (level, report, singular) = (fit.level, fit.report.clone(), fit.singular.len());
+    let control = if level == 0 {
+        let mut control = target.clone();
+        control.mesh = fit.control;
+        control.fit_fields(&interpolator, &options).map_err(at)?;
+        control
+    } else {
+        target.pushed_back(fit, &interpolator, &options, &progress).map_err(at)?
+    };
     clock.lap("solve");
 
-    let mut surface = control.refine(args.levels, &progress).map_err(at)?;
+    let mut surface = control.refine(args.levels.saturating_sub(level), &progress).map_err(at)?;
     if args.limit || args.output.is_none() {
         surface.move_to_limit().map_err(at)?;
     } else if had_normals {
@@ -96,8 +101,33 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
         input::save(path, plot(&report, &options, &target.rules).as_bytes())?;
     }
     tell(args, &output, &data, &report, &clock, console);
+    tell_of_level(args, level, singular, &report, console);
     console.result(&summary)?;
     Ok(if report.is_converged() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// Solves, and pushes back where that is asked for or nothing else interpolates.
+fn fit(
+    args: &Fit,
+    target: &Surface,
+    interpolator: &Interpolator<'_>,
+    options: &Options,
+    observer: &mut Observer<'_>,
+) -> Result<interpolate::Fit, fairform::Error> {
+    let (mesh, rules) = (&target.mesh, &target.rules);
+    if options.tolerance.is_none() && !options.exact && options.fair.is_none() {
+        // A number of updates is asked for, so these are what is to be seen.
+        let (control, report) = interpolator.fit(mesh.positions(), options, observer)?;
+        let control = mesh.with_positions(control);
+        let rules = rules.clone();
+        return Ok(interpolate::Fit { control, rules, level: 0, report, singular: vec![] });
+    }
+    let fit = interpolate::fit_mesh(mesh, rules, options, observer)?;
+    if fit.report.is_converged() || args.method != Method::Auto || args.iterations.is_some() {
+        return Ok(fit);
+    }
+    // Beside interior vertices of valence 2 the plain system may have no solution.
+    interpolate::fit_mesh(mesh, rules, &Options { exact: true, ..*options }, observer)
 }
 
 fn sample() -> Result<MeshData, Failure> {
@@ -115,6 +145,8 @@ fn options(args: &Fit) -> Options {
             (given, _) => given,
         },
         iterations: args.iterations.unwrap_or(usual.iterations),
+        exact: args.exact,
+        fair: args.fair,
     }
 }
 
@@ -182,6 +214,31 @@ fn tell(
     }
 }
 
+/// Says when the control mesh is one level finer than the mesh, and why.
+fn tell_of_level(args: &Fit, level: u32, singular: usize, report: &FitReport, console: &Console) {
+    if level == 0 {
+        return;
+    }
+    let moved = report.pushed_back.unwrap_or_default();
+    let why = match singular {
+        0 => String::new(),
+        1 => {
+            ", since one part with valence 3 everywhere has no control mesh of its own level".into()
+        }
+        n => format!(
+            ", since {n} parts with valence 3 everywhere have no control mesh of their level"
+        ),
+    };
+    console.note(format!(
+        "interpolated exactly by moving limit points by up to {moved:.1e} after one refinement \
+         step{why}; the control mesh is one level finer; error max {:.1e}",
+        report.max
+    ));
+    if args.levels == 0 {
+        console.note("note: so --levels 0 wrote the mesh of level 1");
+    }
+}
+
 fn summary(
     args: &Fit,
     options: &Options,
@@ -216,6 +273,9 @@ fn summary(
         "unit": report.unit,
         "tolerance": options.tolerance,
         "levels": args.levels,
+        "control_level": u32::from(report.pushed_back.is_some()),
+        "pushed_back": report.pushed_back,
+        "fair": options.fair,
         "stages": stages,
         "max": report.max,
         "mean": report.mean,

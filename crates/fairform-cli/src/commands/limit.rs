@@ -21,7 +21,7 @@ pub(crate) fn run(args: &Limit, console: &Console) -> Result<ExitCode, Failure> 
     input::check_outputs(&[&args.output], console)?;
     let source = Source::from(&args.input);
     let mut surface = Surface::new(input::read(&source, console)?, &source)?;
-    surface.rules = rules::build(&args.rules, &surface)?;
+    surface.rules = rules::build(&args.rules, &surface, console)?;
     let vertices = surface.mesh.positions().len();
     let at = |e| surface.failure(&source, &e);
     if as_json {

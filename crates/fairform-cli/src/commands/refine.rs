@@ -16,7 +16,7 @@ pub(crate) fn run(args: &Refine, console: &Console) -> Result<ExitCode, Failure>
     input::check_outputs(&[&args.output], console)?;
     let source = Source::from(&args.input);
     let mut surface = Surface::new(input::read(&source, console)?, &source)?;
-    surface.rules = rules::build(&args.rules, &surface)?;
+    surface.rules = rules::build(&args.rules, &surface, console)?;
     surface.warn_of_no_faces(&source, console);
     check_memory(&surface, args.levels, &source)?;
     let at = |e| surface.failure(&source, &e);
