@@ -7,7 +7,7 @@ use clap::{Parser, Subcommand, ValueEnum};
 use fairform::Scheme;
 use fairform::interpolate::{Method, Norm};
 use fairform_io::Format;
-use fairform_render::View;
+use fairform_render::{Range, View};
 
 /// The heading of the options that every command has.
 const GENERAL: &str = "General options";
@@ -50,7 +50,8 @@ pub(crate) enum Command {
     Info(Info),
     Convert(Convert),
     Repair(Repair),
-    Render(Render),
+    Render(Box<Render>),
+    Compare(Compare),
     /// Print a completion script for a shell.
     #[command(after_help = "Examples:\n  \
         fairform completions bash > ~/.bash_completion.d/fairform\n  \
@@ -247,7 +248,8 @@ pub(crate) struct Repair {
     fairform render surface.ply -o surface.png\n  \
     fairform render bunny.obj surface.ply -o both.png --size 1600x800 --view front\n  \
     fairform render part.stl -o part.png --view 120,15,z --flat\n  \
-    fairform render cage.obj surface.ply -o pair.png --flat=1 --wireframe=1")]
+    fairform render cage.obj surface.ply -o pair.png --flat=1 --wireframe=1\n  \
+    fairform render surface.ply -o curvature.png --colour curvature")]
 pub(crate) struct Render {
     /// Meshes to draw, one panel each.
     #[arg(required = true, value_name = "IN")]
@@ -280,6 +282,19 @@ pub(crate) struct Render {
     /// One shade per face; in some panels only with =1,3.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "all", value_name = "PANELS", value_parser = panels)]
     pub(crate) flat: Option<Panels>,
+    /// Colour the surfaces: by mean curvature (curvature, mean), gaussian curvature, distance to the
+    /// mesh of --reference (error), shape parameters (tension); or let them mirror stripes (zebra) or
+    /// lamps (reflection).
+    #[arg(long, visible_alias = "color", value_enum)]
+    pub(crate) colour: Option<ColourChoice>,
+    /// What the colours span: auto (2nd to 98th percentile), full, 5%..95%, or numbers as in -1..1.
+    #[arg(long, default_value = "auto", allow_hyphen_values = true)]
+    pub(crate) range: Range,
+    /// The mesh that --colour error measures against.
+    #[arg(long, value_name = "MESH")]
+    pub(crate) reference: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) rules: RuleOptions,
     /// A line of text below each panel, in order; repeat it for each.
     #[arg(long, value_name = "TEXT")]
     pub(crate) title: Vec<String>,
@@ -289,6 +304,17 @@ pub(crate) struct Render {
     /// Fit the camera to each panel alone, not to all of them.
     #[arg(long)]
     pub(crate) separate: bool,
+}
+
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum ColourChoice {
+    Curvature,
+    Mean,
+    Gaussian,
+    Error,
+    Tension,
+    Zebra,
+    Reflection,
 }
 
 /// Which panels of a picture.
@@ -308,6 +334,29 @@ impl Panels {
             Some(Self::Some(panels)) => panels.contains(&(i + 1)),
         }
     }
+}
+
+/// Run all schemes on a mesh: a table of error, fairness and time, and a sheet of pictures.
+#[derive(clap::Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    fairform compare cage.obj\n  \
+    fairform compare bunny.obj -o sheet.png --view front")]
+pub(crate) struct Compare {
+    #[command(flatten)]
+    pub(crate) input: Input,
+    /// Where to write the pictures, if at all.
+    #[arg(short, long, value_name = "SHEET.png")]
+    pub(crate) output: Option<PathBuf>,
+    /// Refinement steps of the surfaces that are measured.
+    #[arg(long, default_value_t = 3, value_name = "N")]
+    pub(crate) levels: u32,
+    /// Width and height in pixels.
+    #[arg(long, default_value = "1800x1400", value_name = "WxH", value_parser = size)]
+    pub(crate) size: (u32, u32),
+    /// front, back, left, right, top, bottom, iso, or AZIMUTH,ELEVATION in degrees; with ",z" if z is
+    /// up.
+    #[arg(long, default_value = "iso", allow_hyphen_values = true)]
+    pub(crate) view: View,
 }
 
 /// A mesh to read.

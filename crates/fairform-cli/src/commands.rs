@@ -1,5 +1,6 @@
 //! One module per command: the straight line from input to output.
 
+pub(crate) mod compare;
 pub(crate) mod completions;
 pub(crate) mod convert;
 pub(crate) mod fit;

@@ -47,6 +47,7 @@ fn run(args: &Args, console: &Console) -> Result<ExitCode, Failure> {
         Command::Info(args) => commands::info::run(args, console),
         Command::Convert(args) => commands::convert::run(args, console),
         Command::Repair(args) => commands::repair::run(args, console),
+        Command::Compare(args) => commands::compare::run(args, console),
         Command::Render(args) => commands::render::run(args, console),
         Command::Completions { shell } => commands::completions::run(*shell, console),
     }

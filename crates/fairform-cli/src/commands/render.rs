@@ -3,22 +3,31 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use fairform::fairness;
 use fairform_io::MeshData;
-use fairform_render::{Body, Colour, Dot, Line, Options, Panel, View};
+use fairform_render::{
+    Body, Colour, ColourMap, Dot, Line, Options, Panel, Surface as SurfaceLook, Values, View,
+};
 use serde_json::json;
 
-use crate::args::{Panels, Render};
+use crate::args::{ColourChoice, Panels, Render};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::{self, Source};
+use crate::rules;
+use crate::surface::Surface;
 
 pub(crate) fn run(args: &Render, console: &Console) -> Result<ExitCode, Failure> {
     check_picture(&args.output)?;
     input::check_outputs(&[&args.output], console)?;
     let read = |path: &PathBuf| input::read(&Source { path, format: args.from }, console);
     let meshes = args.inputs.iter().map(read).collect::<Result<Vec<_>, _>>()?;
-    let panels: Vec<Panel> =
-        meshes.iter().enumerate().map(|(i, data)| panel(args, i, data)).collect();
+    let values = values(args, &meshes, console)?;
+    let panels: Vec<Panel> = meshes
+        .iter()
+        .enumerate()
+        .map(|(i, data)| panel(args, i, data, values[i].as_ref()))
+        .collect();
     let background = if args.transparent { Colour::TRANSPARENT } else { Colour::WHITE };
     let options = Options { background, shared: !args.separate, ..Options::default() };
     let view = View { zoom: args.zoom, ..args.view };
@@ -32,7 +41,7 @@ pub(crate) fn run(args: &Render, console: &Console) -> Result<ExitCode, Failure>
 }
 
 /// Only PNG is written.
-fn check_picture(path: &Path) -> Result<(), Failure> {
+pub(crate) fn check_picture(path: &Path) -> Result<(), Failure> {
     let is_png = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
     if is_png || input::is_dash(path) {
         return Ok(());
@@ -41,7 +50,77 @@ fn check_picture(path: &Path) -> Result<(), Failure> {
         .help("let the name end in .png"))
 }
 
-fn panel<'a>(args: &Render, i: usize, data: &'a MeshData) -> Panel<'a> {
+/// Numbers to colour a mesh by.
+struct Numbers {
+    of: Vec<f64>,
+    per_face: bool,
+    map: ColourMap,
+    legend: &'static str,
+}
+
+/// The numbers of each mesh that the colouring asks for.
+fn values(
+    args: &Render,
+    meshes: &[MeshData],
+    console: &Console,
+) -> Result<Vec<Option<Numbers>>, Failure> {
+    let reference = match (&args.reference, args.colour) {
+        (Some(path), _) => {
+            let source = Source { path, format: None };
+            Some(Surface::new(input::read(&source, console)?, &source)?.mesh)
+        }
+        (None, Some(ColourChoice::Error)) => {
+            return Err(Failure::usage("--colour error needs a mesh to compare with")
+                .help("name it with --reference MESH"));
+        }
+        _ => None,
+    };
+    let one = |(data, path): (&MeshData, &PathBuf)| {
+        let Some(choice) = args.colour else { return Ok(None) };
+        let source = Source { path, format: args.from };
+        let (of, per_face, map, legend) = match choice {
+            ColourChoice::Zebra | ColourChoice::Reflection => return Ok(None),
+            ColourChoice::Curvature | ColourChoice::Mean | ColourChoice::Gaussian => {
+                let mesh = Surface::new(data.clone(), &source)?.mesh;
+                let (topology, points) = (mesh.topology(), mesh.positions());
+                let normals = match &data.normals {
+                    Some(given) => given.clone(),
+                    None => fairness::fitted_normals(topology, points),
+                };
+                let curvatures = fairness::curvatures(topology, points, &normals);
+                let is_gaussian = choice == ColourChoice::Gaussian;
+                let number = |c: &fairness::Curvature| {
+                    if is_gaussian { c.gaussian() } else { c.mean() }
+                };
+                let legend = if is_gaussian { "Gaussian curvature" } else { "mean curvature" };
+                (curvatures.iter().map(number).collect(), false, ColourMap::CoolWarm, legend)
+            }
+            ColourChoice::Error => {
+                let reference = reference.as_ref().expect("checked above");
+                let distances = fairness::distances(&data.positions, reference);
+                (distances, false, ColourMap::Viridis, "distance to the mesh")
+            }
+            ColourChoice::Tension => {
+                let mut surface = Surface::new(data.clone(), &source)?;
+                surface.rules = rules::build(&args.rules, &surface, console)?;
+                let Some(tension) = surface.rules.tension.as_deref() else {
+                    return Err(Failure::usage("--colour tension needs shape parameters")
+                        .help("give them with --scheme doo-sabin --lambda or --tension-where"));
+                };
+                (tension.to_vec(), true, ColourMap::Viridis, "tension")
+            }
+        };
+        Ok(Some(Numbers { of, per_face, map, legend }))
+    };
+    meshes.iter().zip(&args.inputs).map(one).collect()
+}
+
+fn panel<'a>(
+    args: &Render,
+    i: usize,
+    data: &'a MeshData,
+    numbers: Option<&'a Numbers>,
+) -> Panel<'a> {
     let mut body = Body::new(&data.positions, &data.faces);
     body.normals = data.normals.as_deref();
     body.colours = data.colours.as_deref();
@@ -51,6 +130,15 @@ fn panel<'a>(args: &Render, i: usize, data: &'a MeshData) -> Panel<'a> {
     body.style.points = wants(&args.points).then(Dot::default);
     let red = Line { colour: Colour::RED, width: 5.0 };
     body.style.boundary = wants(&args.boundary).then_some(red);
+    body.values = numbers.map(|n| {
+        let values = if n.per_face { Values::per_face(&n.of) } else { Values::per_vertex(&n.of) };
+        Values { map: n.map, range: args.range, legend: Some(n.legend), ..values }
+    });
+    match args.colour {
+        Some(ColourChoice::Zebra) => body.style.surface = SurfaceLook::ZEBRA,
+        Some(ColourChoice::Reflection) => body.style.surface = SurfaceLook::REFLECTION,
+        _ => {}
+    }
     let title = match args.title.get(i) {
         Some(title) => Some(title.clone()),
         None if args.inputs.len() > 1 => {

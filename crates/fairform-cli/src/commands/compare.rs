@@ -1,0 +1,181 @@
+//! `fairform compare`.
+
+use std::fmt::Write as _;
+use std::ops::ControlFlow;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use fairform::fairness::{self, Measures};
+use fairform::interpolate::{self, Options};
+use fairform::{Corners, Faces, Mesh, Rules, Scheme, Vec3, limit, refine, tension};
+use fairform_render::{Body, Line, Panel};
+use serde_json::{Value, json};
+
+use crate::args::Compare;
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::input::{self, Source};
+use crate::surface::{Surface, check_memory};
+
+pub(crate) fn run(args: &Compare, console: &Console) -> Result<ExitCode, Failure> {
+    if let Some(path) = &args.output {
+        super::render::check_picture(path)?;
+        input::check_outputs(&[path], console)?;
+    }
+    let source = Source::from(&args.input);
+    let mut target = Surface::new(input::read(&source, console)?, &source)?;
+    // The largest of the results.
+    target.rules = Scheme::CatmullClark.into();
+    check_memory(&target, args.levels, &source)?;
+    let mesh = &target.mesh;
+    let progress = console.progress();
+    let mut rows = Vec::new();
+    for (name, rules) in schemes(mesh) {
+        progress.say(format!("fitting: {name}"));
+        match Row::new(name, mesh, &rules, args.levels) {
+            Ok(row) => rows.push(row),
+            Err(error) => console.note(format!("note: {name} left out: {error}")),
+        }
+    }
+    if let Some(path) = &args.output {
+        progress.say("drawing");
+        input::save(path, &picture(mesh, &rows, args)?)?;
+    }
+    drop(progress);
+    if console.json() {
+        let rows: Vec<Value> = rows.iter().map(Row::json).collect();
+        console.result(&json!({ "file": source.to_string(), "schemes": rows }))?;
+    } else {
+        console.print(&table(&rows))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// All schemes that suit a mesh.
+fn schemes(mesh: &Mesh) -> Vec<(&'static str, Rules)> {
+    let size = mesh.topology().uniform_face_size();
+    let tight =
+        |lambda: Vec<f64>| Rules { tension: Some(lambda.into()), ..Scheme::DooSabin.into() };
+    let count = mesh.topology().face_count();
+    let mut all = Vec::new();
+    if size == Some(3) {
+        all.push(("loop", Rules::LOOP));
+    }
+    all.push(("catmull-clark", Scheme::CatmullClark.into()));
+    all.push(("doo-sabin", Scheme::DooSabin.into()));
+    all.push(("two-phase, auto", tight(tension::automatic(mesh))));
+    all.push(("two-phase, 0.5", tight(vec![0.5; count])));
+    all.push(("two-phase, 0.85", tight(vec![0.85; count])));
+    if size == Some(3) {
+        all.push(("butterfly", Scheme::Butterfly.into()));
+    }
+    if size == Some(4) {
+        all.push(("kobbelt", Rules { corners: Corners::Sharp, ..Scheme::Kobbelt.into() }));
+    }
+    all
+}
+
+/// What one scheme makes of the mesh.
+struct Row {
+    name: &'static str,
+    positions: Vec<Vec3>,
+    normals: Vec<Vec3>,
+    faces: Faces,
+    error: f64,
+    seconds: f64,
+    measures: Measures,
+    deviation: f64,
+    undulation: Option<f64>,
+}
+
+impl Row {
+    fn new(
+        name: &'static str,
+        target: &Mesh,
+        rules: &Rules,
+        levels: u32,
+    ) -> Result<Self, fairform::Error> {
+        let start = Instant::now();
+        let mut go_on = |_, _| ControlFlow::Continue(());
+        let fit = interpolate::fit_mesh(target, rules, &Options::default(), &mut go_on)?;
+        let seconds = start.elapsed().as_secs_f64();
+        let (fine, rules) =
+            refine::refine_mesh(&fit.control, &fit.rules, levels.saturating_sub(fit.level))?;
+        let (topology, control) = (fine.topology(), fine.positions());
+        let positions = limit::limit_points(topology, control, &rules)?;
+        let normals = limit::limit_normals(topology, control, &rules)?;
+        let curvatures = fairness::curvatures(topology, &positions, &normals);
+        let measures = fairness::measures(topology, &positions, &curvatures);
+        let undulation = fairness::undulation(&measures, target).ratio();
+        let deviation = fairness::deviation(&positions, target).max / target.bounds().diagonal();
+        let faces = topology.to_faces();
+        let error = fit.report.max;
+        Ok(Self {
+            name,
+            positions,
+            normals,
+            faces,
+            error,
+            seconds,
+            measures,
+            deviation,
+            undulation,
+        })
+    }
+
+    fn json(&self) -> Value {
+        json!({
+            "scheme": self.name,
+            "error": self.error,
+            "bending_energy": self.measures.bending,
+            "curvature_variation": self.measures.relative_mean_variation(),
+            "deviation": self.deviation,
+            "undulation": self.undulation,
+            "seconds": self.seconds,
+        })
+    }
+}
+
+fn table(rows: &[Row]) -> String {
+    let mut text = format!(
+        "{:<16} {:>9} {:>10} {:>12} {:>10} {:>10} {:>9}\n",
+        "scheme", "error", "bending", "variation", "deviation", "undulation", "seconds"
+    );
+    for row in rows {
+        let undulation = row.undulation.map_or("–".into(), |u| format!("{u:.3}"));
+        let _ = writeln!(
+            text,
+            "{:<16} {:>9.1e} {:>10.4} {:>12.4e} {:>10.5} {:>10} {:>9.4}",
+            row.name,
+            row.error,
+            row.measures.bending,
+            row.measures.relative_mean_variation(),
+            row.deviation,
+            undulation,
+            row.seconds
+        );
+    }
+    text.push_str(
+        "\nerror: largest distance of a vertex from the surface, by the diagonal; bending: ∫ k1² + k2²; \
+         variation: of the\nmean curvature, without unit; deviation: of the surface from the mesh, by the \
+         diagonal; undulation: turning of\nthe surface over that of the mesh, about 1 if it does not wave; \
+         seconds: of the fit\n",
+    );
+    text
+}
+
+fn picture(target: &Mesh, rows: &[Row], args: &Compare) -> Result<Vec<u8>, Failure> {
+    let faces = target.topology().to_faces();
+    let mut given = Body::new(target.positions(), &faces);
+    given.style.smooth = false;
+    given.style.wireframe = Some(Line::default());
+    let mut panels = vec![Panel { bodies: vec![given], title: Some("the mesh".into()) }];
+    for row in rows {
+        let mut body = Body::new(&row.positions, &row.faces);
+        body.normals = Some(&row.normals);
+        let title = format!("{}\nbending {:.3}", row.name, row.measures.bending);
+        panels.push(Panel { bodies: vec![body], title: Some(title) });
+    }
+    let options = fairform_render::Options::default();
+    Ok(fairform_render::render(&panels, &args.view, args.size, &options)?.to_png())
+}
