@@ -9,7 +9,7 @@
 //!
 //! let target: Mesh = shapes::octahedron();
 //! let options = interpolate::Options::default();
-//! let (control, report) = interpolate::interpolate(&target, &options)?;
+//! let (control, report) = interpolate::interpolate(&target, &Rules::LOOP, &options)?;
 //! assert!(report.max <= 1e-6);
 //! let (surface, _) = refine::refine_mesh(&control, &Rules::LOOP, 3)?;
 //! assert_eq!(surface.topology().face_count(), 8 * 64);

@@ -8,7 +8,7 @@ use libm::{cos, sin};
 
 use crate::error::Error;
 use crate::ids::{EdgeId, HalfedgeId, VertexId};
-use crate::refine::{KobbeltRows, Refined, refine};
+use crate::refine::{ButterflyRows, KobbeltRows, Refined, refine};
 use crate::scheme::butterfly::{CURVE_EDGE, EDGE, regular_tangent_weights};
 use crate::scheme::kobbelt::{corner_share, edge_weights, tangent_weights};
 use crate::scheme::{Corners, Rules, Scheme};
@@ -33,12 +33,14 @@ impl<'a> InterpolatingTangents<'a> {
         points: &'a [Vec3],
         rules: &'a Rules,
     ) -> Result<Self, Error> {
+        if rules.scheme == Scheme::Butterfly {
+            let finer = ButterflyRows::new(topology).apply(points);
+            return Ok(Self { topology, points, rules, finer, second: None });
+        }
         let step = refine(topology, rules)?;
         let finer = step.apply(points);
-        let second = (rules.scheme == Scheme::Kobbelt).then(|| {
-            let sums = KobbeltRows::new(&step.topology, &step.next).ring_sums(&finer);
-            (step, sums)
-        });
+        let sums = KobbeltRows::new(&step.topology, &step.next).ring_sums(&finer);
+        let second = Some((step, sums));
         Ok(Self { topology, points, rules, finer, second })
     }
 
@@ -201,11 +203,15 @@ impl ButterflySide {
         }
     }
 
+    /// The curve's, and a direction inwards. With two or three faces there are but two directions
+    /// that shrink slowest. With more, several inner ones do that lie in no plane: the result is
+    /// that of a few steps.
     fn tangents(mut self) -> [Vec3; 2] {
+        const FEW: u32 = 3;
         let k = self.between.len();
         let [a, b] = tangent_weights(1.0);
         let along = a * (self.near[0] - self.near[k]) + b * (self.behind[0] - self.behind[k]);
-        for _ in 0..SETTLED {
+        for _ in 0..if matches!(k, 2 | 3) { SETTLED } else { FEW } {
             self = self.next();
         }
         if k == 1 {
