@@ -8,7 +8,7 @@ use libm::{cos, sin};
 
 use crate::error::Error;
 use crate::ids::{EdgeId, HalfedgeId, VertexId};
-use crate::refine::{KobbeltRows, Refined, refine};
+use crate::refine::{ButterflyRows, KobbeltRows, Refined, refine};
 use crate::scheme::butterfly::{CURVE_EDGE, EDGE, regular_tangent_weights};
 use crate::scheme::kobbelt::{corner_share, edge_weights, tangent_weights};
 use crate::scheme::{Corners, Rules, Scheme};
@@ -23,9 +23,21 @@ pub(super) struct InterpolatingTangents<'a> {
     rules: &'a Rules,
     /// The points after one step.
     finer: Vec<Vec3>,
-    /// Kobbelt's scheme at extraordinary vertices: the first step, and its sums round vertices.
-    second: Option<(Refined<'a>, Vec<Vec3>)>,
+    /// Kobbelt's scheme at extraordinary vertices.
+    second: Option<Second<'a>>,
 }
+
+/// What a second Kobbelt step round a vertex needs, and what is done with its result.
+struct Second<'a> {
+    step: Refined<'a>,
+    /// Sums round the vertices after the first step.
+    ring_sums: Vec<Vec3>,
+    /// Masks by valence, in order.
+    masks: Vec<(u32, Mask)>,
+}
+
+/// Complex weights of the six waves of a [`KobbeltDisc`] in the tangents.
+type Mask = [[f64; 2]; 6];
 
 impl<'a> InterpolatingTangents<'a> {
     pub(super) fn new(
@@ -33,12 +45,20 @@ impl<'a> InterpolatingTangents<'a> {
         points: &'a [Vec3],
         rules: &'a Rules,
     ) -> Result<Self, Error> {
+        if rules.scheme == Scheme::Butterfly {
+            let finer = ButterflyRows::new(topology).apply(points);
+            return Ok(Self { topology, points, rules, finer, second: None });
+        }
         let step = refine(topology, rules)?;
         let finer = step.apply(points);
-        let second = (rules.scheme == Scheme::Kobbelt).then(|| {
-            let sums = KobbeltRows::new(&step.topology, &step.next).ring_sums(&finer);
-            (step, sums)
-        });
+        let ring_sums = KobbeltRows::new(&step.topology, &step.next).ring_sums(&finer);
+        let inner = topology.vertices().filter(|&v| !topology.is_boundary(v));
+        let mut valences: Vec<u32> = inner.map(|v| topology.fan_size(v)).collect();
+        valences.sort_unstable();
+        valences.dedup();
+        valences.retain(|&n| n > 0 && n != 4);
+        let masks = valences.iter().map(|&n| (n, mask(n, rules.kobbelt_weight))).collect();
+        let second = Some(Second { step, ring_sums, masks });
         Ok(Self { topology, points, rules, finer, second })
     }
 
@@ -51,7 +71,7 @@ impl<'a> InterpolatingTangents<'a> {
             None => found(self.butterfly(v)),
             Some(_) if boundary => self.kobbelt_side(v, found),
             Some(_) if self.topology.fan_size(v) == 4 => found(self.kobbelt_grid(v)),
-            Some((step, sums)) => found(self.kobbelt(v, step, sums)),
+            Some(second) => found(self.kobbelt(v, second)),
         }
     }
 
@@ -123,11 +143,12 @@ impl<'a> InterpolatingTangents<'a> {
         edges.windows(2).for_each(|pair| found([pair[0], pair[1]]));
     }
 
-    fn kobbelt(&self, v: VertexId, step: &Refined<'_>, sums: &[Vec3]) -> [Vec3; 2] {
+    fn kobbelt(&self, v: VertexId, second: &Second<'_>) -> [Vec3; 2] {
+        let Second { step, ring_sums, masks } = second;
         let t = &step.topology;
         let rows = KobbeltRows::new(t, &step.next);
         let here = self.points[v.index()];
-        let edge = |e: EdgeId| rows.edge_value(e, &self.finer, sums);
+        let edge = |e: EdgeId| rows.edge_value(e, &self.finer, ring_sums);
         let angle = 2.0 * PI / f64::from(t.fan_size(v));
         let mut disc = [Wave::default(); 6];
         for (j, h) in t.fan(v).enumerate() {
@@ -147,9 +168,39 @@ impl<'a> InterpolatingTangents<'a> {
                 wave.im += -s * (value - here);
             }
         }
-        let disc = KobbeltDisc { disc, angle, w: self.rules.kobbelt_weight };
-        disc.tangents()
+        let Ok(at) = masks.binary_search_by_key(&t.fan_size(v), |m| m.0) else {
+            return [Vec3::ZERO; 2];
+        };
+        let mut tangents = [Vec3::ZERO; 2];
+        for (&[re, im], wave) in masks[at].1.iter().zip(&disc) {
+            tangents[0] += re * wave.re - im * wave.im;
+            // The sine part of a wave is the negative imaginary one.
+            tangents[1] += -(im * wave.re + re * wave.im);
+        }
+        tangents
     }
+}
+
+/// The mask of Kobbelt's scheme at an interior vertex of valence `n`, up to scale: what is left of
+/// each of the six waves after many steps.
+fn mask(n: u32, w: f64) -> Mask {
+    let mut mask = [[0.0; 2]; 6];
+    let axes = [Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0)];
+    // The coordinates are three waves at a time.
+    for first in [0, 3] {
+        let mut waves = [Wave::default(); 6];
+        for (wave, axis) in waves[first..].iter_mut().zip(axes) {
+            wave.re = axis;
+        }
+        let mut disc = KobbeltDisc { waves, angle: 2.0 * PI / f64::from(n), w };
+        for _ in 0..SETTLED {
+            disc = disc.next();
+        }
+        for (axis, weight) in mask[first..first + 3].iter_mut().enumerate() {
+            *weight = [disc.waves[0].re[axis], disc.waves[0].im[axis]];
+        }
+    }
+    mask
 }
 
 /// The neighbourhood of a boundary vertex in a butterfly mesh after a step, from the vertex: for each
@@ -201,11 +252,15 @@ impl ButterflySide {
         }
     }
 
+    /// The curve's, and a direction inwards. With two or three faces there are but two directions
+    /// that shrink slowest. With more, several inner ones do that lie in no plane: the result is
+    /// that of a few steps.
     fn tangents(mut self) -> [Vec3; 2] {
+        const FEW: u32 = 3;
         let k = self.between.len();
         let [a, b] = tangent_weights(1.0);
         let along = a * (self.near[0] - self.near[k]) + b * (self.behind[0] - self.behind[k]);
-        for _ in 0..SETTLED {
+        for _ in 0..if matches!(k, 2 | 3) { SETTLED } else { FEW } {
             self = self.next();
         }
         if k == 1 {
@@ -225,7 +280,7 @@ impl ButterflySide {
 ///     v  a  b
 /// ```
 struct KobbeltDisc {
-    disc: [Wave; 6],
+    waves: [Wave; 6],
     angle: f64,
     w: f64,
 }
@@ -233,7 +288,7 @@ struct KobbeltDisc {
 impl KobbeltDisc {
     /// The same one step later, twice as large.
     fn next(&self) -> Self {
-        let [a, b, c, d, e, f] = self.disc;
+        let [a, b, c, d, e, f] = self.waves;
         let turn = |x: Wave, sectors: f64| x.turned(self.angle * sectors);
         let [middle, beyond] = edge_weights(self.w);
         let rule = |near: Wave, far: Wave| near.times(middle).plus(far.times(beyond));
@@ -251,14 +306,7 @@ impl KobbeltDisc {
         let across = rule(turn(a1, 1.0).plus(d1), turn(e1, 1.0).plus(right));
         let up = rule(a1.plus(e1), turn(d1, -1.0).plus(top));
         let c1 = across.plus(up).times(0.5);
-        Self { disc: [a1, a, c1, d1, e1, c].map(|x| x.times(2.0)), ..*self }
-    }
-
-    fn tangents(mut self) -> [Vec3; 2] {
-        for _ in 0..SETTLED {
-            self = self.next();
-        }
-        [self.disc[0].re, -self.disc[0].im]
+        Self { waves: [a1, a, c1, d1, e1, c].map(|x| x.times(2.0)), ..*self }
     }
 }
 

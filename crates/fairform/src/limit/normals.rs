@@ -25,12 +25,11 @@ use crate::{Topology, Vec3};
 /// convention of
 /// [`inward_tangent_weight`](crate::scheme::loop_scheme::inward_tangent_weight).
 ///
-/// The butterfly scheme has a tangent plane at every interior vertex. On the boundary the result is
-/// across the boundary curve and the inner directions that shrink slowest, at a vertex with one face
-/// only approximately. Kobbelt's scheme has one at interior vertices, for valence 3 only if the
-/// [tension](crate::scheme::kobbelt::VALENCE_3_SMOOTH_UP_TO) is not too high, and on the boundary at
-/// vertices with two faces and at sharp corners; at others the result is the mean of the normals of
-/// the faces, at a smooth corner approximate. Interior vertices with two faces have none: zero.
+/// The butterfly scheme has a tangent plane at every interior vertex, and on the boundary at vertices
+/// with two or three faces. Kobbelt's scheme has one at interior vertices, for valence 3 only up to a
+/// [tension](crate::scheme::kobbelt::VALENCE_3_SMOOTH_UP_TO), and on the boundary at vertices with two
+/// faces and at sharp corners. At other boundary vertices the result is an approximate mean. Interior
+/// vertices with two faces have no normal in either: zero.
 ///
 /// # Errors
 /// As [`limit_points`](super::limit_points); for interpolating schemes [`Error::TooLarge`] if there
@@ -98,9 +97,10 @@ impl<'a> Tangents<'a> {
         let images = (rules.scheme == Scheme::DooSabin).then(|| DooSabinRows::new(topology, rules));
         let row = |n: u32| (0..n).map(|i| tangent_weights(n, i)).collect();
         let weights = (0..=64).map(row).collect();
-        let interpolating = match rules.scheme.is_interpolating() {
-            true => Some(InterpolatingTangents::new(topology, points, rules)?),
-            false => None,
+        let interpolating = if rules.scheme.is_interpolating() {
+            Some(InterpolatingTangents::new(topology, points, rules)?)
+        } else {
+            None
         };
         let sharp = rules.sharpness(topology);
         Ok(Self { sharp, rules, points, images, weights, interpolating })
