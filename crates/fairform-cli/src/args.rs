@@ -294,7 +294,7 @@ pub(crate) struct Render {
     #[arg(long, value_name = "MESH")]
     pub(crate) reference: Option<PathBuf>,
     #[command(flatten)]
-    pub(crate) rules: RuleOptions,
+    pub(crate) tension: TensionOptions,
     /// A line of text below each panel, in order; repeat it for each.
     #[arg(long, value_name = "TEXT")]
     pub(crate) title: Vec<String>,
@@ -396,6 +396,22 @@ pub(crate) struct Writing {
     pub(crate) single: bool,
 }
 
+/// Shape parameters of faces.
+#[derive(clap::Args, Debug)]
+pub(crate) struct TensionOptions {
+    /// Doo–Sabin in two phases, with a shape parameter in (0, 1] per face: near 1 tight, around 0.5
+    /// round. A number, auto, or a JSON file.
+    #[arg(long, visible_alias = "tension", value_name = "X|auto|FILE.json")]
+    pub(crate) lambda: Option<String>,
+    /// Another parameter for some faces, for example 'group=lid':0.85 or 'z>0.5 and not part=1':0.9;
+    /// repeat it for more, later ones win.
+    #[arg(long, value_name = "SELECTION:X", value_parser = selection)]
+    pub(crate) tension_where: Vec<(String, f64)>,
+    /// Let --tension-where fade over this distance from the selection outward.
+    #[arg(long, value_name = "DISTANCE", value_parser = positive)]
+    pub(crate) falloff: Option<f64>,
+}
+
 /// The subdivision rules.
 #[derive(clap::Args, Debug)]
 pub(crate) struct RuleOptions {
@@ -413,17 +429,8 @@ pub(crate) struct RuleOptions {
     /// Doo–Sabin at the boundary: a B-spline of its own, or dropped.
     #[arg(long, value_enum, default_value_t = BorderChoice::Bspline)]
     pub(crate) boundary: BorderChoice,
-    /// Doo–Sabin in two phases, with a shape parameter in (0, 1] per face: near 1 tight, around 0.5
-    /// round. A number, auto, or a JSON file.
-    #[arg(long, visible_alias = "tension", value_name = "X|auto|FILE.json")]
-    pub(crate) lambda: Option<String>,
-    /// Another parameter for some faces, for example 'group=lid':0.85 or 'z>0.5 and not part=1':0.9;
-    /// repeat it for more, later ones win.
-    #[arg(long, value_name = "SELECTION:X", value_parser = selection)]
-    pub(crate) tension_where: Vec<(String, f64)>,
-    /// Let --tension-where fade over this distance from the selection outward.
-    #[arg(long, value_name = "DISTANCE", value_parser = positive)]
-    pub(crate) falloff: Option<f64>,
+    #[command(flatten)]
+    pub(crate) tension: TensionOptions,
     /// Sharp edges and vertices: JSON as in USD, or the `t` lines of an OBJ file.
     #[arg(long, value_name = "FILE")]
     pub(crate) creases: Option<PathBuf>,

@@ -4,10 +4,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use fairform::select::{Context, Labels, Selection, blend, falloff};
-use fairform::{Border, Corners, Creases, Rules, Scheme, tension};
+use fairform::{Border, Corners, Creases, Rules, Scheme};
 use serde_json::Value;
 
-use crate::args::{BorderChoice, CornerChoice, RuleOptions};
+use crate::args::{BorderChoice, CornerChoice, RuleOptions, TensionOptions};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::surface::Surface;
@@ -33,7 +33,13 @@ pub(crate) fn build(
         },
         ..Rules::LOOP
     };
-    rules.tension = tension_of(options, surface)?.map(Into::into);
+    rules.tension = tension(&options.tension, surface)?.map(Into::into);
+    if rules.tension.is_some() && rules.scheme != Scheme::DooSabin {
+        return Err(Failure::new(format!(
+            "--lambda and --tension-where are for --scheme doo-sabin, not {}",
+            rules.scheme
+        )));
+    }
     creases_of(options, surface, &mut rules)?;
     for warning in rules.warnings(surface.mesh.topology()) {
         console.note(format!("warning: {warning}"));
@@ -42,30 +48,25 @@ pub(crate) fn build(
 }
 
 /// One parameter per face, if any option speaks of them.
-fn tension_of(options: &RuleOptions, surface: &Surface) -> Result<Option<Vec<f64>>, Failure> {
+pub(crate) fn tension(
+    options: &TensionOptions,
+    surface: &Surface,
+) -> Result<Option<Vec<f64>>, Failure> {
     if options.lambda.is_none() && options.tension_where.is_empty() {
         return Ok(None);
-    }
-    if options.scheme != Scheme::DooSabin {
-        return Err(Failure::new(format!(
-            "--lambda and --tension-where are for --scheme doo-sabin, not {}",
-            options.scheme
-        )));
     }
     let count = surface.mesh.topology().face_count();
     let mut tension = match options.lambda.as_deref() {
         None => vec![0.5; count],
-        Some("auto") => tension::automatic(&surface.mesh),
+        Some("auto") => fairform::tension::automatic(&surface.mesh),
         Some(text) => match text.parse::<f64>() {
             Ok(one) => vec![one; count],
             Err(_) => from_file(Path::new(text), count)?,
         },
     };
-    let labels = |l: &'_ Option<fairform_io::Labels>| l.clone();
-    let (groups, materials) = (labels(&surface.groups), labels(&surface.materials));
     let mut context = Context::new(&surface.mesh);
-    context.groups = groups.as_ref().map(|l| Labels::new(&l.names, &l.of_face));
-    context.materials = materials.as_ref().map(|l| Labels::new(&l.names, &l.of_face));
+    context.groups = surface.groups.as_ref().map(|l| Labels::new(&l.names, &l.of_face));
+    context.materials = surface.materials.as_ref().map(|l| Labels::new(&l.names, &l.of_face));
     for (text, value) in &options.tension_where {
         let at = |e: &dyn std::fmt::Display| Failure::new(format!("--tension-where {text:?}: {e}"));
         let selection: Selection = text.parse().map_err(|e| at(&e))?;

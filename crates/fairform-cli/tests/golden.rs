@@ -94,7 +94,9 @@ fn check_stages(name: &str, report: &Value, expected: &Value) {
         let of = |stage: &Value| stage["history"][20][column].as_f64().unwrap();
         stages.iter().map(of).fold(0.0, f64::max)
     };
-    assert_eq!(report["max"].as_f64().unwrap(), last(1), "{name}");
+    // Measured by another path, so the last digits may differ.
+    let max = report["max"].as_f64().unwrap();
+    assert!((max - last(1)).abs() < 1e-13, "{name}: {max} is not {}", last(1));
 }
 
 #[test]

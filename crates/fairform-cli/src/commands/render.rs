@@ -101,13 +101,12 @@ fn values(
                 (distances, false, ColourMap::Viridis, "distance to the mesh")
             }
             ColourChoice::Tension => {
-                let mut surface = Surface::new(data.clone(), &source)?;
-                surface.rules = rules::build(&args.rules, &surface, console)?;
-                let Some(tension) = surface.rules.tension.as_deref() else {
+                let surface = Surface::new(data.clone(), &source)?;
+                let Some(tension) = rules::tension(&args.tension, &surface)? else {
                     return Err(Failure::usage("--colour tension needs shape parameters")
-                        .help("give them with --scheme doo-sabin --lambda or --tension-where"));
+                        .help("give them with --lambda or --tension-where"));
                 };
-                (tension.to_vec(), true, ColourMap::Viridis, "tension")
+                (tension, true, ColourMap::Viridis, "tension")
             }
         };
         Ok(Some(Numbers { of, per_face, map, legend }))
