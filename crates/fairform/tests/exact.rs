@@ -218,6 +218,43 @@ fn the_alternating_vector_vanishes_on_the_cube() {
     }
 }
 
+/// Two squares glued on all sides: four vertices with two faces, and an operator that is not definite,
+/// so that the iteration runs away from the control mesh there is.
+#[test]
+fn where_the_iteration_diverges_it_is_pushed_back() {
+    let mut faces = Faces::new();
+    faces.push(&[0, 1, 2, 3]);
+    faces.push(&[3, 2, 1, 0]);
+    let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.1], [1.0, 1.0, 0.0], [0.1, 1.0, 0.2]];
+    let mesh = Mesh::new(positions.map(Vec3::from).to_vec(), &faces).unwrap();
+    assert_eq!(singular_components(mesh.topology(), &catmull_clark()), []);
+    for method in Method::ALL {
+        for tolerance in [Some(1e-6), None] {
+            for exact in [false, true] {
+                let options = Options { method, tolerance, exact, ..Options::default() };
+                let fit = fit(&mesh, &catmull_clark(), &options);
+                assert!(
+                    fit.report.max < 1e-6,
+                    "{method} {tolerance:?} {exact}: {:?}",
+                    fit.report.max
+                );
+                assert!(fit.control.positions().iter().all(|p| p.is_finite()));
+            }
+        }
+    }
+}
+
+/// A vertex with very many faces costs no more than its share.
+#[test]
+fn high_valences_are_no_burden() {
+    let mesh = shapes::bipyramid(10_000);
+    for rules in [Rules::LOOP, catmull_clark(), Rules::from(Scheme::DooSabin)] {
+        let fit = fit(&mesh, &rules, &Options { fair: Some(1.0), ..EXACT });
+        // Sums of so many terms round.
+        assert!(fit.report.max < 1e-12, "{}: {:e}", rules.scheme, fit.report.max);
+    }
+}
+
 /// Where push-back is not needed nothing changes, unless it is wanted.
 #[test]
 fn other_meshes_stay_at_level_0() {
