@@ -53,12 +53,12 @@ pub fn fair(pushback: &PushBack<'_>, x: &mut [Vec3], weight: f64) -> Fairing {
     let topology = &pushback.step().topology;
     assert_eq!(x.len(), topology.vertex_count(), "one value per finer vertex");
     let Freedom { stencils, is_smooth } = pushback.freedom();
-    let system =
-        System { topology, is_smooth, transposed: stencils.transposed(), stencils, weight };
+    let transposed = stencils.transposed();
+    let system = System { pushback, topology, is_smooth, stencils, transposed, weight };
     let bending = system.bending(x);
     let before = dot(&bending, &bending);
     let (change, updates) = system.solve(&bending);
-    let moved = system.stencils.apply(&change);
+    let moved = system.spread(&change);
     par::for_blocks(x, |start, block| {
         block.iter_mut().zip(&moved[start..]).for_each(|(x, &by)| *x += by);
     });
@@ -67,8 +67,9 @@ pub fn fair(pushback: &PushBack<'_>, x: &mut [Vec3], weight: f64) -> Fairing {
 }
 
 /// The normal equations $`(w Z^T L^T L Z + (1 - w) I) y = -w Z^T L^T L x_0`$ of the free values: `Z`
-/// are the stencils of all values, `L` is the bending.
+/// spreads them over all values, `L` is the bending.
 struct System<'a> {
+    pushback: &'a PushBack<'a>,
     topology: &'a Topology,
     is_smooth: Vec<bool>,
     stencils: Stencils,
@@ -77,6 +78,12 @@ struct System<'a> {
 }
 
 impl System<'_> {
+    fn spread(&self, y: &[Vec3]) -> Vec<Vec3> {
+        let mut change = self.stencils.apply(y);
+        self.pushback.centre(&mut change);
+        change
+    }
+
     /// From each vertex to the mean of its neighbours; zero on boundaries and creases.
     fn bending(&self, x: &[Vec3]) -> Vec<Vec3> {
         par::collect(x.len(), |i| {
@@ -92,15 +99,16 @@ impl System<'_> {
     /// Half of how the energy changes with the free values, for a bending.
     fn gradient(&self, bending: &[Vec3]) -> Vec<Vec3> {
         let share = |q: VertexId| bending[q.index()] / f64::from(self.topology.valence(q));
-        let of_all = par::collect(bending.len(), |i| {
+        let mut of_all = par::collect(bending.len(), |i| {
             let ring = self.topology.ring(VertexId(i as u32));
             ring.filter(|q| self.is_smooth[q.index()]).map(share).sum::<Vec3>() - bending[i]
         });
+        self.pushback.centre(&mut of_all);
         self.transposed.apply(&of_all)
     }
 
     fn apply(&self, y: &[Vec3]) -> Vec<Vec3> {
-        let gradient = self.gradient(&self.bending(&self.stencils.apply(y)));
+        let gradient = self.gradient(&self.bending(&self.spread(y)));
         par::collect(y.len(), |i| self.weight * gradient[i] + (1.0 - self.weight) * y[i])
     }
 

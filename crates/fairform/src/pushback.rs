@@ -194,6 +194,23 @@ impl<'t> PushBack<'t> {
         largest.into_iter().fold(0.0, larger)
     }
 
+    /// Doo–Sabin: takes from a change of the finer values what would move limit points, the mean of the
+    /// images of each inner vertex. Symmetric, as a projection that is its own transpose.
+    pub(crate) fn centre(&self, change: &mut [Vec3]) {
+        if self.rules.scheme != Scheme::DooSabin {
+            return;
+        }
+        let means = rows::apply(&self.rows(), change);
+        par::for_blocks(change, |start, block| {
+            for (i, x) in block.iter_mut().enumerate() {
+                let v = self.images.vertex[start + i];
+                if !self.coarse.is_boundary(v) {
+                    *x += -means[v.index()];
+                }
+            }
+        });
+    }
+
     fn check_finer(&self, finer: &[Vec3]) {
         assert_eq!(finer.len(), self.step.topology.vertex_count(), "one value per finer vertex");
     }
@@ -260,18 +277,8 @@ impl Rows for FreedomRows<'_> {
     }
 
     fn visit(&self, row: usize, mut entry: impl FnMut(u32, f64)) {
-        let number = |v: u32| self.number[v as usize];
         if let Some(own) = self.number[row] {
             entry(own, 1.0);
-            if self.pushback.rules.scheme == Scheme::DooSabin {
-                // The mean of the images of a vertex is held; on the boundary that is the others'.
-                let v = self.pushback.images.vertex[row];
-                if !self.pushback.coarse.is_boundary(v) {
-                    self.limit.visit(v.index(), |image, weight| {
-                        number(image).into_iter().for_each(|i| entry(i, -weight));
-                    });
-                }
-            }
         } else if self.pushback.rules.scheme != Scheme::DooSabin
             && row < self.pushback.coarse.vertex_count()
         {
@@ -280,7 +287,9 @@ impl Rows for FreedomRows<'_> {
                 own += if source as usize == row { weight } else { 0.0 };
             });
             self.limit.visit(row, |source, weight| {
-                number(source).into_iter().for_each(|i| entry(i, -weight / own));
+                if let Some(i) = self.number[source as usize] {
+                    entry(i, -weight / own);
+                }
             });
         }
     }
