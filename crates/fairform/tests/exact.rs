@@ -244,6 +244,36 @@ fn where_the_iteration_diverges_it_is_pushed_back() {
     }
 }
 
+/// Factorising finds the control mesh that the iterations tend to, in one update or two.
+#[cfg(feature = "direct")]
+#[test]
+fn factorising_is_exact() {
+    let options = Options { method: Method::Direct, tolerance: Some(1e-13), ..Options::default() };
+    for (name, mesh) in polygons() {
+        for rules in all_rules(&mesh) {
+            let interpolator = Interpolator::new(mesh.topology(), &rules).unwrap();
+            let mut go_on = |_, _| ControlFlow::Continue(());
+            let iterated = Options { method: Method::Auto, ..options };
+            let expected = interpolator.fit(mesh.positions(), &iterated, &mut go_on);
+            match interpolator.fit(mesh.positions(), &options, &mut go_on) {
+                Ok((control, report)) => {
+                    assert!(report.max < 1e-12, "{name} {}: {:e}", rules.scheme, report.max);
+                    let updates = report.stages.iter().map(|s| s.solve.last().updates);
+                    assert!(updates.max().unwrap_or(0) <= 5, "{name}");
+                    assert_near(&control, &expected.unwrap().0, 1e-10, name);
+                }
+                Err(Error::NotSymmetric) => assert!(rules.creases.is_some(), "{name}"),
+                Err(Error::NotDefinite) => {
+                    let singular = singular_components(mesh.topology(), &rules);
+                    let two = |v| mesh.topology().fan_size(v) == 2;
+                    assert!(!singular.is_empty() || mesh.topology().vertices().any(two), "{name}");
+                }
+                Err(other) => panic!("{name} {}: {other}", rules.scheme),
+            }
+        }
+    }
+}
+
 /// A vertex with very many faces costs no more than its share.
 #[test]
 fn high_valences_are_no_burden() {

@@ -72,7 +72,7 @@ pub fn fit_mesh(
                 return Ok(Fit { control, rules: rules.clone(), level: 0, report, singular });
             }
             // The iteration diverged; targets that are too large are seen again below.
-            Ok(_) | Err(Error::Overflow { .. }) => {}
+            Ok(_) | Err(Error::Overflow { .. } | Error::NotDefinite) => {}
             Err(other) => return Err(other),
         }
     }
@@ -133,7 +133,7 @@ impl Interpolator<'_> {
         };
         let (control, stages) = match solved {
             // The iteration diverged; a few updates cannot.
-            Err(Error::Overflow { .. }) => {
+            Err(Error::Overflow { .. } | Error::NotDefinite) => {
                 let few = Stop { max_updates: UPDATES, ..few };
                 self.solve(&scaled, Solver::Usual, few, observer)?
             }
