@@ -74,7 +74,7 @@ fn quads(mesh: &Mesh) -> Mesh {
 }
 
 /// Largest distance of the surface from the target's vertices, over the diagonal: by the limit rows
-/// of the control mesh, and where those do not tell, by the centroids of deep faces.
+/// of the control mesh, and for Doo–Sabin by the means of images.
 fn error(target: &Mesh, rules: &Rules, fit: &Fit) -> f64 {
     let control = &fit.control;
     let limit = if rules.scheme == Scheme::DooSabin && fit.level == 1 {
@@ -353,6 +353,22 @@ fn corrections_are_as_derived() {
     assert!((largest - worst).abs() < 1e-14);
 }
 
+/// In Doo and Sabin's scheme the limit point of a face is its centroid, and vertices become faces: the
+/// last ones.
+#[test]
+fn faces_of_vertices_have_their_centroid_there() {
+    for mesh in [shapes::cube(), shaken(&prism(5), 0.2), shaken(&shapes::icosahedron(), 0.1)] {
+        let fit = check(&mesh, &Rules::from(Scheme::DooSabin), &EXACT, "closed");
+        let (topology, x) = (fit.control.topology(), fit.control.positions());
+        let first = mesh.topology().face_count() + mesh.topology().edge_count();
+        for v in mesh.topology().vertices() {
+            let face = topology.face_vertices(fairform::FaceId(first as u32 + v.0));
+            let centroid = face.iter().map(|q| x[q.index()]).sum::<Vec3>() / face.len() as f64;
+            assert!((centroid - mesh.positions()[v.index()]).length() < 1e-14);
+        }
+    }
+}
+
 /// Deep refinement goes to the vertices, also where the rows were not asked.
 #[test]
 fn refined_vertices_converge_to_the_target() {
@@ -476,7 +492,7 @@ fn fairing_is_well_conditioned() {
     }
 }
 
-/// At the minimum no direction that keeps the limit points lowers the energy.
+/// Boundaries of patches that share their vertices stay together, whatever lies between.
 #[test]
 fn boundary_curves_do_not_depend_on_fairing_or_on_the_interior() {
     let mesh = shaken(&shapes::sheet(5, 6, |x, y| x * y), 0.1);
