@@ -156,9 +156,15 @@ pub enum Error {
         /// How many half-edges it would have.
         halfedges: u64,
     },
-    /// Conjugate gradients need a symmetric operator.
-    #[error("conjugate gradients do not work beside creases that end or fade; use another method")]
+    /// Conjugate gradients and factorising need a symmetric operator.
+    #[error("this method does not work beside creases that end or fade; use another one")]
     NotSymmetric,
+    /// Factorising needs a positive definite operator.
+    #[error("no factors: the limit operator is singular, or not definite, on this mesh")]
+    NotDefinite,
+    /// The factors would not fit into memory.
+    #[error("the factors are too large to be stored; use another method")]
+    FactorTooLarge,
     /// An option is out of its range.
     #[error("{what} must be {expected}, not {value}")]
     BadOption {

@@ -14,8 +14,8 @@
 
 use alloc::vec::Vec;
 
+use crate::ids::VertexId;
 use crate::pushback::{Freedom, PushBack};
-use crate::rows::{self, Rows};
 use crate::{Stencils, Topology, Vec3, par};
 
 /// What fairing did.
@@ -50,92 +50,99 @@ const MOST: u32 = 200;
 /// # Panics
 /// If there is not one value per finer vertex.
 pub fn fair(pushback: &PushBack<'_>, x: &mut [Vec3], weight: f64) -> Fairing {
-    let finer = &pushback.step().topology;
-    assert_eq!(x.len(), finer.vertex_count(), "one value per finer vertex");
-    let Freedom { stencils, smooth } = pushback.freedom();
-    let laplacian = Laplacian { topology: finer, smooth: &smooth, stencils: &stencils };
-    let bending = rows::stencils(&laplacian, stencils.source_count());
-    let bent = par::collect(smooth.len(), |i| laplacian.apply(i, x));
-    let before = dot(&bent, &bent);
-    let system = System { transposed: bending.transposed(), bending, weight };
-    let (change, updates) = system.solve(&bent);
-    let moved = stencils.apply(&change);
+    let topology = &pushback.step().topology;
+    assert_eq!(x.len(), topology.vertex_count(), "one value per finer vertex");
+    let Freedom { stencils, is_smooth } = pushback.freedom();
+    let transposed = stencils.transposed();
+    let system = System { pushback, topology, is_smooth, stencils, transposed, weight };
+    let bending = system.bending(x);
+    let before = dot(&bending, &bending);
+    let (change, updates) = system.solve(&bending);
+    let moved = system.spread(&change);
     par::for_blocks(x, |start, block| {
         block.iter_mut().zip(&moved[start..]).for_each(|(x, &by)| *x += by);
     });
-    let bent = par::collect(smooth.len(), |i| laplacian.apply(i, x));
-    Fairing { updates, before, after: dot(&bent, &bent) }
+    let bending = system.bending(x);
+    Fairing { updates, before, after: dot(&bending, &bending) }
 }
 
-/// How the bending at each smooth vertex changes with the free values.
-struct Laplacian<'a> {
+/// The normal equations $`(w Z^T L^T L Z + (1 - w) I) y = -w Z^T L^T L x_0`$ of the free values: `Z`
+/// spreads them over all values, `L` is the bending.
+struct System<'a> {
+    pushback: &'a PushBack<'a>,
     topology: &'a Topology,
-    smooth: &'a [crate::VertexId],
-    stencils: &'a Stencils,
-}
-
-impl Laplacian<'_> {
-    fn apply(&self, i: usize, x: &[Vec3]) -> Vec3 {
-        let v = self.smooth[i];
-        let sum: Vec3 = self.topology.ring(v).map(|q| x[q.index()]).sum();
-        sum / f64::from(self.topology.valence(v)) - x[v.index()]
-    }
-}
-
-impl Rows for Laplacian<'_> {
-    fn len(&self) -> usize {
-        self.smooth.len()
-    }
-
-    fn visit(&self, row: usize, mut entry: impl FnMut(u32, f64)) {
-        let v = self.smooth[row];
-        let share = 1.0 / f64::from(self.topology.valence(v));
-        let mut add = |q: crate::VertexId, weight: f64| {
-            self.stencils.row(q.index()).for_each(|(free, w)| entry(free.0, weight * w));
-        };
-        self.topology.ring(v).for_each(|q| add(q, share));
-        add(v, -1.0);
-    }
-}
-
-/// The normal equations $`(w A^T A + (1 - w) I) y = -w A^T c`$.
-struct System {
-    bending: Stencils,
+    is_smooth: Vec<bool>,
+    stencils: Stencils,
     transposed: Stencils,
     weight: f64,
 }
 
-impl System {
-    fn apply(&self, y: &[Vec3]) -> Vec<Vec3> {
-        let bent = self.transposed.apply(&self.bending.apply(y));
-        par::collect(y.len(), |i| self.weight * bent[i] + (1.0 - self.weight) * y[i])
+impl System<'_> {
+    fn spread(&self, y: &[Vec3]) -> Vec<Vec3> {
+        let mut change = self.stencils.apply(y);
+        self.pushback.centre(&mut change);
+        change
     }
 
-    /// The diagonal; 1 where it vanishes, and so does all that belongs to it.
-    fn diagonal(&self) -> Vec<f64> {
-        par::collect(self.transposed.row_count(), |i| {
-            let squares: f64 = self.transposed.row(i).map(|e| e.1 * e.1).sum();
-            let sum = self.weight * squares + (1.0 - self.weight);
-            if sum > 0.0 { sum } else { 1.0 }
+    /// From each vertex to the mean of its neighbours; zero on boundaries and creases.
+    fn bending(&self, x: &[Vec3]) -> Vec<Vec3> {
+        par::collect(x.len(), |i| {
+            if !self.is_smooth[i] {
+                return Vec3::ZERO;
+            }
+            let v = VertexId(i as u32);
+            let sum: Vec3 = self.topology.ring(v).map(|q| x[q.index()]).sum();
+            sum / f64::from(self.topology.valence(v)) - x[i]
         })
     }
 
-    /// The change of the free values for the bending `c` of the mesh as it is, and the updates made:
+    /// Half of how the energy changes with the free values, for a bending.
+    fn gradient(&self, bending: &[Vec3]) -> Vec<Vec3> {
+        let share = |q: VertexId| bending[q.index()] / f64::from(self.topology.valence(q));
+        let mut of_all = par::collect(bending.len(), |i| {
+            let ring = self.topology.ring(VertexId(i as u32));
+            ring.filter(|q| self.is_smooth[q.index()]).map(share).sum::<Vec3>() - bending[i]
+        });
+        self.pushback.centre(&mut of_all);
+        self.transposed.apply(&of_all)
+    }
+
+    fn apply(&self, y: &[Vec3]) -> Vec<Vec3> {
+        let gradient = self.gradient(&self.bending(&self.spread(y)));
+        par::collect(y.len(), |i| self.weight * gradient[i] + (1.0 - self.weight) * y[i])
+    }
+
+    /// The diagonal, as it is if the vertices that a free value moves were no neighbours: exact enough
+    /// for a preconditioner, and of linear cost whatever the valences. 1 where nothing is left of it.
+    fn diagonal(&self) -> Vec<f64> {
+        let squares = par::collect(self.is_smooth.len(), |i| {
+            let ring = self.topology.ring(VertexId(i as u32));
+            let smooth = ring.filter(|q| self.is_smooth[q.index()]);
+            let others = smooth.map(|q| f64::from(self.topology.valence(q))).map(|n| 1.0 / (n * n));
+            others.sum::<f64>() + f64::from(u8::from(self.is_smooth[i]))
+        });
+        par::collect(self.transposed.row_count(), |i| {
+            let row = self.transposed.row(i);
+            let sum: f64 = row.map(|(v, w)| w * w * squares[v.index()]).sum();
+            let diagonal = self.weight * sum + (1.0 - self.weight);
+            if diagonal > 0.0 { diagonal } else { 1.0 }
+        })
+    }
+
+    /// The change of the free values for the bending of the mesh as it is, and the updates made:
     /// conjugate gradients with the diagonal as preconditioner, on all coordinates at once, so that
     /// the result turns with the mesh. \[HestenesStiefel1952\]
-    fn solve(&self, c: &[Vec3]) -> (Vec<Vec3>, u32) {
+    fn solve(&self, bending: &[Vec3]) -> (Vec<Vec3>, u32) {
         let diagonal = self.diagonal();
-        let gradient = self.transposed.apply(c);
+        let gradient = self.gradient(bending);
         let mut residual = par::collect(gradient.len(), |i| -self.weight * gradient[i]);
         let mut y = alloc::vec![Vec3::ZERO; residual.len()];
         let mut direction = y.clone();
-        let scaled = |r: &[Vec3]| par::collect(r.len(), |i| r[i] / diagonal[i]);
-        let (mut energy, mut first) = (0.0, None);
+        let (mut energy, mut enough) = (0.0, None);
         for updates in 0..MOST {
-            let z = scaled(&residual);
+            let z = par::collect(residual.len(), |i| residual[i] / diagonal[i]);
             let before = core::mem::replace(&mut energy, dot(&residual, &z));
-            let first = *first.get_or_insert(energy);
-            if !(energy > ENOUGH * ENOUGH * first) {
+            if energy <= *enough.get_or_insert(ENOUGH * ENOUGH * energy) {
                 return (y, updates);
             }
             let beta = if before == 0.0 { 0.0 } else { energy / before };
@@ -146,7 +153,7 @@ impl System {
             });
             let image = self.apply(&direction);
             let curvature = dot(&direction, &image);
-            if !(curvature > 0.0) {
+            if curvature <= 0.0 {
                 return (y, updates);
             }
             let alpha = energy / curvature;

@@ -20,6 +20,11 @@ use crate::scheme::{Rules, Scheme, catmull_clark, doo_sabin, loop_scheme};
 use crate::solve::{Interval, LinearOperator, Outcome, Report, Step, Stop};
 use crate::{Mesh, Topology, Vec3, order, par, rows, solve};
 
+#[cfg(not(feature = "direct"))]
+use crate::solve::LinearOperator as Operator;
+#[cfg(feature = "direct")]
+use crate::solve::direct::Entries as Operator;
+
 mod level_one;
 
 pub use level_one::{Fit, fit_mesh};
@@ -39,12 +44,32 @@ pub enum Method {
     Chebyshev,
     /// Conjugate gradients.
     ConjugateGradients,
+    /// Factorising, with the feature `direct`.
+    #[cfg(feature = "direct")]
+    Direct,
 }
 
 impl Method {
     /// All methods.
-    pub const ALL: [Self; 5] =
-        [Self::Auto, Self::Plain, Self::Weighted, Self::Chebyshev, Self::ConjugateGradients];
+    pub const ALL: [Self; 5 + cfg!(feature = "direct") as usize] = [
+        Self::Auto,
+        Self::Plain,
+        Self::Weighted,
+        Self::Chebyshev,
+        Self::ConjugateGradients,
+        #[cfg(feature = "direct")]
+        Self::Direct,
+    ];
+
+    /// Whether it needs a symmetric operator, see [`Error::NotSymmetric`].
+    fn is_for_symmetric(self) -> bool {
+        match self {
+            Self::ConjugateGradients => true,
+            #[cfg(feature = "direct")]
+            Self::Direct => true,
+            _ => false,
+        }
+    }
 
     /// Its name on the command line and in reports.
     #[must_use]
@@ -55,6 +80,8 @@ impl Method {
             Self::Weighted => "weighted",
             Self::Chebyshev => "chebyshev",
             Self::ConjugateGradients => "cg",
+            #[cfg(feature = "direct")]
+            Self::Direct => "direct",
         }
     }
 }
@@ -110,7 +137,7 @@ impl fmt::Display for Norm {
 }
 
 macro_rules! from_name {
-    ($($type:ident: $names:literal),*) => {$(
+    ($($type:ident: $names:expr),*) => {$(
         impl FromStr for $type {
             type Err = UnknownName;
 
@@ -120,7 +147,12 @@ macro_rules! from_name {
         }
     )*};
 }
-from_name!(Method: "auto, plain, weighted, chebyshev, cg", Norm: "diagonal, longest-side, absolute");
+#[cfg(not(feature = "direct"))]
+const METHODS: &str = "auto, plain, weighted, chebyshev, cg";
+#[cfg(feature = "direct")]
+const METHODS: &str = "auto, plain, weighted, chebyshev, cg, direct";
+
+from_name!(Method: METHODS, Norm: "diagonal, longest-side, absolute");
 
 /// None of the names there are, which it lists.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
@@ -344,8 +376,8 @@ impl<'t> Interpolator<'t> {
     /// The control values whose limit values are `target`, and what it took.
     ///
     /// # Errors
-    /// [`Error::BadOption`]; [`Error::NotSymmetric`] for conjugate gradients beside creases that end
-    /// or fade; [`Error::Interrupted`] if the observer breaks. Not converging is no error: the
+    /// [`Error::BadOption`]; [`Error::NotSymmetric`] for conjugate gradients and factorising beside
+    /// creases that end or fade; [`Error::NotDefinite`] and [`Error::FactorTooLarge`] for factorising; [`Error::Interrupted`] if the observer breaks. Not converging is no error: the
     /// report says so.
     ///
     /// # Panics
@@ -499,8 +531,8 @@ impl Stage {
         let report = match &self.operator {
             StageOperator::Ring(operator) => run(operator, &goal, &mut x, solver, stop, observer),
             StageOperator::Rows(operator) => {
-                let is_cg = matches!(solver, Solver::Method(Method::ConjugateGradients));
-                if is_cg && !operator.is_symmetric() {
+                let is_picky = matches!(solver, Solver::Method(m) if m.is_for_symmetric());
+                if is_picky && !operator.is_symmetric() {
                     return Err(Error::NotSymmetric);
                 }
                 run(operator, &goal, &mut x, solver, stop, observer)
@@ -513,7 +545,7 @@ impl Stage {
     }
 }
 
-fn run<A: LinearOperator>(
+fn run<A: Operator>(
     operator: &A,
     target: &[Vec3],
     x: &mut Vec<Vec3>,
@@ -536,6 +568,8 @@ fn run<A: LinearOperator>(
         Method::ConjugateGradients => {
             return solve::conjugate_gradients(operator, target, x, stop, observer);
         }
+        #[cfg(feature = "direct")]
+        Method::Direct => return solve::direct::direct(operator, target, x, stop, observer),
     };
     solve::stationary(operator, target, x, interval, stop, observer)
 }

@@ -11,7 +11,7 @@
 //! with $`b, b_j`$ the limit weights of the vertex and of its new neighbours. For Catmull–Clark that
 //! is $`V^1 = [n(n+5) P - 4 \sum E_i - \sum F_i] / n^2`$, on curves $`(6P - e_1 - e_2)/4`$. In Doo
 //! and Sabin's scheme a limit point is the mean of the images of its vertex, and each image has one
-//! vertex, so all of them are moved alike. \[DengYang2010\]
+//! vertex, so all of them are moved alike. \[Deng2010\]
 
 use alloc::vec::Vec;
 
@@ -42,12 +42,6 @@ pub fn singular_components(topology: &Topology, rules: &Rules) -> Vec<VertexId> 
             && sharp.vertex(v) == 0.0
             && sharp.edges(v).all(|e| sharp.edge(e.0) == 0.0)
     };
-    #[derive(Clone, Copy, PartialEq)]
-    enum Colour {
-        None,
-        Black,
-        White,
-    }
     let mut colour = alloc::vec![Colour::None; topology.vertex_count()];
     let (mut found, mut queue) = (Vec::new(), Vec::new());
     for seed in topology.vertices() {
@@ -77,6 +71,14 @@ pub fn singular_components(topology: &Topology, rules: &Rules) -> Vec<VertexId> 
         }
     }
     found
+}
+
+/// A colour of [`singular_components`].
+#[derive(Clone, Copy, PartialEq)]
+enum Colour {
+    None,
+    Black,
+    White,
 }
 
 /// A topology refined once, ready to push the limit points of its vertices to where they should be.
@@ -164,10 +166,9 @@ impl<'t> PushBack<'t> {
         let rows = self.rows();
         let moves: Vec<Vec3> = if self.rules.scheme == Scheme::DooSabin {
             let limit = rows::apply(&rows, finer);
-            let is_isolated = |v: usize| self.coarse.is_isolated(VertexId(v as u32));
-            let moves = par::collect(target.len(), |v| match is_isolated(v) {
-                true => Vec3::ZERO,
-                false => target[v] - limit[v],
+            let moves = par::collect(target.len(), |v| {
+                let is_isolated = self.coarse.is_isolated(VertexId(v as u32));
+                if is_isolated { Vec3::ZERO } else { target[v] - limit[v] }
             });
             par::for_blocks(finer, |start, block| {
                 for (i, x) in block.iter_mut().enumerate() {
@@ -193,6 +194,23 @@ impl<'t> PushBack<'t> {
         largest.into_iter().fold(0.0, larger)
     }
 
+    /// Doo–Sabin: takes from a change of the finer values what would move limit points, the mean of the
+    /// images of each inner vertex. Symmetric, as a projection that is its own transpose.
+    pub(crate) fn centre(&self, change: &mut [Vec3]) {
+        if self.rules.scheme != Scheme::DooSabin {
+            return;
+        }
+        let means = rows::apply(&self.rows(), change);
+        par::for_blocks(change, |start, block| {
+            for (i, x) in block.iter_mut().enumerate() {
+                let v = self.images.vertex[start + i];
+                if !self.coarse.is_boundary(v) {
+                    *x += -means[v.index()];
+                }
+            }
+        });
+    }
+
     fn check_finer(&self, finer: &[Vec3]) {
         assert_eq!(finer.len(), self.step.topology.vertex_count(), "one value per finer vertex");
     }
@@ -211,14 +229,13 @@ impl<'t> PushBack<'t> {
         let count = finer.vertex_count();
         let mut is_fixed = alloc::vec![false; count];
         let coarse_count = self.coarse.vertex_count();
-        match self.rules.scheme {
-            Scheme::DooSabin => is_fixed[self.coarse.halfedge_count()..].fill(true),
-            _ => {
-                let sharp = self.rules.sharpness(self.coarse);
-                is_fixed[..coarse_count].fill(true);
-                for e in self.coarse.edges().filter(|&e| sharp.edge(e) > 0.0) {
-                    is_fixed[coarse_count + e.index()] = true;
-                }
+        if self.rules.scheme == Scheme::DooSabin {
+            is_fixed[self.coarse.halfedge_count()..].fill(true);
+        } else {
+            let sharp = self.rules.sharpness(self.coarse);
+            is_fixed[..coarse_count].fill(true);
+            for e in self.coarse.edges().filter(|&e| sharp.edge(e) > 0.0) {
+                is_fixed[coarse_count + e.index()] = true;
             }
         }
         let mut number = alloc::vec![None; count];
@@ -230,14 +247,12 @@ impl<'t> PushBack<'t> {
         let rows = FreedomRows { pushback: self, limit: self.rows(), number: &number };
         let stencils = rows::stencils(&rows, free.len());
         let sharp = self.step.next.sharpness(finer);
-        let is_smooth = |v: &VertexId| {
-            let is_old = self.rules.scheme != Scheme::DooSabin && v.index() < coarse_count;
-            (is_old || !is_fixed[v.index()])
-                && !finer.is_isolated(*v)
-                && sharp.kind(*v, 0) == Kind::Smooth
-        };
-        let smooth = finer.vertices().filter(is_smooth).collect();
-        Freedom { stencils, smooth }
+        let is_smooth = par::collect(count, |i| {
+            let v = VertexId(i as u32);
+            let is_old = self.rules.scheme != Scheme::DooSabin && i < coarse_count;
+            (is_old || !is_fixed[i]) && !finer.is_isolated(v) && sharp.kind(v, 0) == Kind::Smooth
+        });
+        Freedom { stencils, is_smooth }
     }
 }
 
@@ -246,8 +261,8 @@ impl<'t> PushBack<'t> {
 pub(crate) struct Freedom {
     /// How a finer value changes with the free ones.
     pub(crate) stencils: Stencils,
-    /// The finer vertices off boundaries and creases.
-    pub(crate) smooth: Vec<VertexId>,
+    /// Whether a finer vertex is off boundaries and creases.
+    pub(crate) is_smooth: Vec<bool>,
 }
 
 struct FreedomRows<'a> {
@@ -262,18 +277,8 @@ impl Rows for FreedomRows<'_> {
     }
 
     fn visit(&self, row: usize, mut entry: impl FnMut(u32, f64)) {
-        let number = |v: u32| self.number[v as usize];
         if let Some(own) = self.number[row] {
             entry(own, 1.0);
-            if self.pushback.rules.scheme == Scheme::DooSabin {
-                // The mean of the images of a vertex is held; on the boundary that is the others'.
-                let v = self.pushback.images.vertex[row];
-                if !self.pushback.coarse.is_boundary(v) {
-                    self.limit.visit(v.index(), |image, weight| {
-                        number(image).into_iter().for_each(|i| entry(i, -weight));
-                    });
-                }
-            }
         } else if self.pushback.rules.scheme != Scheme::DooSabin
             && row < self.pushback.coarse.vertex_count()
         {
@@ -282,7 +287,9 @@ impl Rows for FreedomRows<'_> {
                 own += if source as usize == row { weight } else { 0.0 };
             });
             self.limit.visit(row, |source, weight| {
-                number(source).into_iter().for_each(|i| entry(i, -weight / own));
+                if let Some(i) = self.number[source as usize] {
+                    entry(i, -weight / own);
+                }
             });
         }
     }

@@ -10,6 +10,8 @@ use crate::error::Error;
 use crate::{Vec3, par};
 
 mod conjugate_gradients;
+#[cfg(feature = "direct")]
+pub(crate) mod direct;
 mod stationary;
 
 pub use conjugate_gradients::conjugate_gradients;

@@ -74,7 +74,7 @@ fn quads(mesh: &Mesh) -> Mesh {
 }
 
 /// Largest distance of the surface from the target's vertices, over the diagonal: by the limit rows
-/// of the control mesh, and where those do not tell, by the centroids of deep faces.
+/// of the control mesh, and for Doo–Sabin by the means of images.
 fn error(target: &Mesh, rules: &Rules, fit: &Fit) -> f64 {
     let control = &fit.control;
     let limit = if rules.scheme == Scheme::DooSabin && fit.level == 1 {
@@ -218,6 +218,73 @@ fn the_alternating_vector_vanishes_on_the_cube() {
     }
 }
 
+/// Two squares glued on all sides: four vertices with two faces, and an operator that is not definite,
+/// so that the iteration runs away from the control mesh there is.
+#[test]
+fn where_the_iteration_diverges_it_is_pushed_back() {
+    let mut faces = Faces::new();
+    faces.push(&[0, 1, 2, 3]);
+    faces.push(&[3, 2, 1, 0]);
+    let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.1], [1.0, 1.0, 0.0], [0.1, 1.0, 0.2]];
+    let mesh = Mesh::new(positions.map(Vec3::from).to_vec(), &faces).unwrap();
+    assert_eq!(singular_components(mesh.topology(), &catmull_clark()), []);
+    for method in Method::ALL {
+        for tolerance in [Some(1e-6), None] {
+            for exact in [false, true] {
+                let options = Options { method, tolerance, exact, ..Options::default() };
+                let fit = fit(&mesh, &catmull_clark(), &options);
+                assert!(
+                    fit.report.max < 1e-6,
+                    "{method} {tolerance:?} {exact}: {:?}",
+                    fit.report.max
+                );
+                assert!(fit.control.positions().iter().all(|p| p.is_finite()));
+            }
+        }
+    }
+}
+
+/// Factorising finds the control mesh that the iterations tend to, in one update or two.
+#[cfg(feature = "direct")]
+#[test]
+fn factorising_is_exact() {
+    let options = Options { method: Method::Direct, tolerance: Some(1e-13), ..Options::default() };
+    for (name, mesh) in polygons() {
+        for rules in all_rules(&mesh) {
+            let interpolator = Interpolator::new(mesh.topology(), &rules).unwrap();
+            let mut go_on = |_, _| ControlFlow::Continue(());
+            let iterated = Options { method: Method::Auto, ..options };
+            let expected = interpolator.fit(mesh.positions(), &iterated, &mut go_on);
+            match interpolator.fit(mesh.positions(), &options, &mut go_on) {
+                Ok((control, report)) => {
+                    assert!(report.max < 1e-12, "{name} {}: {:e}", rules.scheme, report.max);
+                    let updates = report.stages.iter().map(|s| s.solve.last().updates);
+                    assert!(updates.max().unwrap_or(0) <= 5, "{name}");
+                    assert_near(&control, &expected.unwrap().0, 1e-10, name);
+                }
+                Err(Error::NotSymmetric) => assert!(rules.creases.is_some(), "{name}"),
+                Err(Error::NotDefinite) => {
+                    let singular = singular_components(mesh.topology(), &rules);
+                    let two = |v| mesh.topology().fan_size(v) == 2;
+                    assert!(!singular.is_empty() || mesh.topology().vertices().any(two), "{name}");
+                }
+                Err(other) => panic!("{name} {}: {other}", rules.scheme),
+            }
+        }
+    }
+}
+
+/// A vertex with very many faces costs no more than its share.
+#[test]
+fn high_valences_are_no_burden() {
+    let mesh = shapes::bipyramid(10_000);
+    for rules in [Rules::LOOP, catmull_clark(), Rules::from(Scheme::DooSabin)] {
+        let fit = fit(&mesh, &rules, &Options { fair: Some(1.0), ..EXACT });
+        // Sums of so many terms round.
+        assert!(fit.report.max < 1e-12, "{}: {:e}", rules.scheme, fit.report.max);
+    }
+}
+
 /// Where push-back is not needed nothing changes, unless it is wanted.
 #[test]
 fn other_meshes_stay_at_level_0() {
@@ -284,6 +351,22 @@ fn corrections_are_as_derived() {
     }
     assert_eq!(pushed[12..], plain[12..]);
     assert!((largest - worst).abs() < 1e-14);
+}
+
+/// In Doo and Sabin's scheme the limit point of a face is its centroid, and vertices become faces: the
+/// last ones.
+#[test]
+fn faces_of_vertices_have_their_centroid_there() {
+    for mesh in [shapes::cube(), shaken(&prism(5), 0.2), shaken(&shapes::icosahedron(), 0.1)] {
+        let fit = check(&mesh, &Rules::from(Scheme::DooSabin), &EXACT, "closed");
+        let (topology, x) = (fit.control.topology(), fit.control.positions());
+        let first = mesh.topology().face_count() + mesh.topology().edge_count();
+        for v in mesh.topology().vertices() {
+            let face = topology.face_vertices(fairform::FaceId(first as u32 + v.0));
+            let centroid = face.iter().map(|q| x[q.index()]).sum::<Vec3>() / face.len() as f64;
+            assert!((centroid - mesh.positions()[v.index()]).length() < 1e-14);
+        }
+    }
 }
 
 /// Deep refinement goes to the vertices, also where the rows were not asked.
@@ -409,7 +492,7 @@ fn fairing_is_well_conditioned() {
     }
 }
 
-/// At the minimum no direction that keeps the limit points lowers the energy.
+/// Boundaries of patches that share their vertices stay together, whatever lies between.
 #[test]
 fn boundary_curves_do_not_depend_on_fairing_or_on_the_interior() {
     let mesh = shaken(&shapes::sheet(5, 6, |x, y| x * y), 0.1);

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use fairform::interpolate::{self, FitReport, Interpolator, Method, Observer, Options, StageName};
+use fairform::interpolate::{self, FitReport, Interpolator, Observer, Options, StageName};
 use fairform::solve::{Outcome, Step};
 use fairform::{Mesh, Rules, Topology};
 use fairform_io::{Format, MeshData};
@@ -60,7 +60,7 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
         ControlFlow::Continue(())
     };
     let had_normals = target.normals.is_some();
-    let fit = fit(args, &target, &interpolator, &options, &mut observe).map_err(at)?;
+    let fit = fit(&target, &interpolator, &options, &mut observe).map_err(at)?;
     let (level, report, singular) = (fit.level, fit.report.clone(), fit.singular.len());
     let control = if level == 0 {
         let mut control = target.clone();
@@ -108,7 +108,6 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
 
 /// Solves, and pushes back where that is asked for or nothing else interpolates.
 fn fit(
-    args: &Fit,
     target: &Surface,
     interpolator: &Interpolator<'_>,
     options: &Options,
@@ -122,12 +121,7 @@ fn fit(
         let rules = rules.clone();
         return Ok(interpolate::Fit { control, rules, level: 0, report, singular: vec![] });
     }
-    let fit = interpolate::fit_mesh(mesh, rules, options, observer)?;
-    if fit.report.is_converged() || args.method != Method::Auto || args.iterations.is_some() {
-        return Ok(fit);
-    }
-    // Beside interior vertices of valence 2 the plain system may have no solution.
-    interpolate::fit_mesh(mesh, rules, &Options { exact: true, ..*options }, observer)
+    interpolate::fit_mesh(mesh, rules, options, observer)
 }
 
 fn sample() -> Result<MeshData, Failure> {

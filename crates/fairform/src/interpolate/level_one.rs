@@ -8,6 +8,7 @@ use crate::error::Error;
 use crate::fair::{self, Fairing};
 use crate::ids::VertexId;
 use crate::pushback::{PushBack, singular_components};
+use crate::solve::{Outcome, Stop};
 use crate::{Mesh, Rules, Vec3};
 
 /// Updates before a push-back. What they leave over moves the surface between the vertices by less
@@ -33,7 +34,9 @@ pub struct Fit {
 }
 
 /// The control mesh whose limit surface passes through every vertex of `target`: by solving, if that
-/// is enough, otherwise by solving a little and then pushing back.
+/// is enough, otherwise by solving a little and then pushing back. That is where the limit operator is
+/// singular, and where a solve diverges or comes to rest before it is done (the observer then sees the
+/// stages begin anew).
 ///
 /// ```
 /// use core::ops::ControlFlow;
@@ -63,9 +66,15 @@ pub fn fit_mesh(
     let interpolator = Interpolator::new(topology, rules)?;
     let singular = singular_components(topology, rules);
     if singular.is_empty() && !options.exact && options.fair.is_none() {
-        let (control, report) = interpolator.fit(target.positions(), options, observer)?;
-        let control = target.with_positions(control);
-        return Ok(Fit { control, rules: rules.clone(), level: 0, report, singular });
+        match interpolator.fit(target.positions(), options, observer) {
+            Ok((control, report)) if !is_stuck(&report) => {
+                let control = target.with_positions(control);
+                return Ok(Fit { control, rules: rules.clone(), level: 0, report, singular });
+            }
+            // The iteration diverged; targets that are too large are seen again below.
+            Ok(_) | Err(Error::Overflow { .. } | Error::NotDefinite) => {}
+            Err(other) => return Err(other),
+        }
     }
     let pushback = PushBack::new(topology, rules)?;
     let (control, report) =
@@ -75,6 +84,16 @@ pub fn fit_mesh(
     Ok(Fit { control, rules: step.next, level: 1, report, singular })
 }
 
+/// Whether a stage came to rest far from the limits of rounding, as it may where the limit operator is
+/// nearly singular or, beside inner vertices with two faces, not definite.
+fn is_stuck(report: &FitReport) -> bool {
+    let stalled = report.stages.iter().any(|s| s.solve.outcome == Outcome::Stalled);
+    stalled && report.max > ROUNDING
+}
+
+/// Residual, in the unit of the report, that a stalled solve may well leave.
+const ROUNDING: f64 = 1e-10;
+
 impl Interpolator<'_> {
     /// The values on the mesh refined once, by `pushback` of the same topology and rules, whose limit
     /// values at the vertices are `target` up to rounding.
@@ -82,7 +101,7 @@ impl Interpolator<'_> {
     /// The solve before the push-back makes six updates of Chebyshev's recurrence, after which nobody
     /// sees a difference; or exactly [`Options::iterations`] if there is no tolerance. With a method
     /// other than [`Method::Auto`] it runs as [`fit`](Self::fit) does, except where the limit operator
-    /// is singular, since it would not end.
+    /// is singular, since it would not end, or if it diverges.
     ///
     /// # Errors
     /// As [`fit`](Self::fit).
@@ -98,15 +117,28 @@ impl Interpolator<'_> {
     ) -> Result<(Vec<Vec3>, FitReport), Error> {
         let scaled = self.scaled(target, options)?;
         let is_singular = !singular_components(self.topology, self.rules).is_empty();
-        let solver = match options.method {
-            method if method != Method::Auto && !is_singular => Solver::Method(method),
-            _ => Solver::Usual,
+        let few = Stop {
+            tolerance: None,
+            max_updates: match options.tolerance {
+                Some(_) => UPDATES.min(options.iterations),
+                None => options.iterations,
+            },
+            ..scaled.stop
         };
-        let mut stop = scaled.stop;
-        if matches!(solver, Solver::Usual) && stop.tolerance.take().is_some() {
-            stop.max_updates = UPDATES.min(options.iterations);
-        }
-        let (control, stages) = self.solve(&scaled, solver, stop, observer)?;
+        let is_usual = options.method == Method::Auto || is_singular;
+        let solved = if is_usual {
+            self.solve(&scaled, Solver::Usual, few, observer)
+        } else {
+            self.solve(&scaled, Solver::Method(options.method), scaled.stop, observer)
+        };
+        let (control, stages) = match solved {
+            // The iteration diverged; a few updates cannot.
+            Err(Error::Overflow { .. } | Error::NotDefinite) => {
+                let few = Stop { max_updates: UPDATES, ..few };
+                self.solve(&scaled, Solver::Usual, few, observer)?
+            }
+            other => other?,
+        };
         let mut finer = pushback.step().apply(&control);
         let pushed_back = pushback.correct(&scaled.target, &mut finer);
         let fairing: Option<Fairing> = options.fair.map(|weight| {

@@ -69,6 +69,16 @@ impl LinearOperator for RingOperator {
     }
 }
 
+#[cfg(feature = "direct")]
+impl crate::solve::direct::Entries for RingOperator {
+    fn entries(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
+        let ring = &self.neighbour[self.start[i] as usize..self.start[i + 1] as usize];
+        let [centre, each] = self.weights[ring.len()];
+        let own = core::iter::once((i, centre));
+        own.chain(ring.iter().map(move |&q| (q as usize, each)))
+    }
+}
+
 /// Limit rows written out.
 #[derive(Clone, Debug)]
 pub(crate) struct RowOperator {
@@ -159,5 +169,12 @@ impl LinearOperator for RowOperator {
 
     fn usual_smallest_eigenvalue(&self) -> f64 {
         self.usual.max(self.guaranteed)
+    }
+}
+
+#[cfg(feature = "direct")]
+impl crate::solve::direct::Entries for RowOperator {
+    fn entries(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
+        self.entries(i).iter().map(|&(q, weight)| (q as usize, weight))
     }
 }
