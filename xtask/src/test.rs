@@ -17,5 +17,9 @@ pub(crate) fn run() -> Result {
         "tests of the kernel without threads",
         &mut tests(&["--package", "fairform", "--no-default-features"]),
     )?;
+    step(
+        "tests of the direct solve",
+        &mut tests(&["--package", "fairform", "--features", "direct", "--test", "golden", "--test", "fitting"]),
+    )?;
     new_user::run()
 }
