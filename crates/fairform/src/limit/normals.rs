@@ -8,7 +8,7 @@ use libm::{cos, sin};
 use super::local::Local;
 use crate::crease::Sharpness;
 use crate::error::Error;
-use crate::ids::VertexId;
+use crate::ids::{HalfedgeId, VertexId};
 use crate::refine::DooSabinRows;
 use crate::scheme::loop_scheme::{
     inward_tangent_centre_weight, inward_tangent_weight, tangent_weights,
@@ -37,7 +37,7 @@ pub fn limit_normals(
     let tangents = Tangents::new(topology, points, rules)?;
     Ok(par::collect(points.len(), |i| {
         let mut normal = Vec3::ZERO;
-        tangents.at(VertexId(i as u32), |[along, across]| {
+        tangents.at(VertexId(i as u32), |_, [along, across]| {
             // Scaled first, so that no product of tiny or huge tangents under- or overflows.
             normal += along.normalized().cross(across.normalized()).normalized();
         });
@@ -61,11 +61,32 @@ pub fn limit_tangents(
     let tangents = Tangents::new(topology, points, rules)?;
     Ok(par::collect(points.len(), |i| {
         let mut first = None;
-        tangents.at(VertexId(i as u32), |t| {
+        tangents.at(VertexId(i as u32), |_, t| {
             first.get_or_insert(t);
         });
         first.unwrap_or_default()
     }))
+}
+
+/// The tangents at the vertex where a half-edge begins, on the side of its face. For Loop and
+/// Catmull–Clark; rules that fit the topology.
+pub(crate) fn side_tangents(
+    topology: &Topology,
+    points: &[Vec3],
+    rules: &Rules,
+    h: HalfedgeId,
+) -> [Vec3; 2] {
+    let (v, sharp) = (topology.origin(h), rules.sharpness(topology));
+    let place = topology.fan(v).position(|g| g == h).unwrap_or(0);
+    let size = topology.fan_size(v) as usize;
+    let mut here = [Vec3::ZERO; 2];
+    let tangents = Tangents { sharp, rules, points, images: None };
+    tangents.at(v, |(first, count), t| {
+        if (place + size - first % size) % size < count {
+            here = t;
+        }
+    });
+    here
 }
 
 struct Tangents<'a> {
@@ -83,21 +104,23 @@ impl<'a> Tangents<'a> {
         Ok(Self { sharp: rules.sharpness(topology), rules, points, images })
     }
 
-    /// The tangents at a vertex, for each of its sectors between sharp edges.
-    fn at(&self, v: VertexId, mut found: impl FnMut([Vec3; 2])) {
+    /// The tangents at a vertex, for each of its sectors between sharp edges: first face and number
+    /// of faces.
+    fn at(&self, v: VertexId, mut found: impl FnMut((usize, usize), [Vec3; 2])) {
         let topology = self.sharp.topology;
+        let all = (0, topology.fan_size(v) as usize);
         if topology.is_isolated(v) {
             return;
         }
         let point = |q: VertexId| self.points[q.index()];
         if let Some(images) = &self.images {
-            return found(self.doo_sabin(images, v));
+            return found(all, self.doo_sabin(images, v));
         }
         if self.rules.scheme == Scheme::Loop
             && self.rules.creases.is_none()
             && !topology.is_boundary(v)
         {
-            return found(ring(topology.ring(v).map(point), topology.fan_size(v)));
+            return found(all, ring(topology.ring(v).map(point), topology.fan_size(v)));
         }
         let mut values = alloc::vec![point(v)];
         values.extend(topology.ring(v).map(point));
@@ -112,21 +135,23 @@ impl<'a> Tangents<'a> {
         let (here, edges) = (values[0], &values[1..=m]);
         let faces = &values[1 + m..];
         if local.is_smooth() {
-            return found(match self.rules.scheme {
+            let tangents = match self.rules.scheme {
                 Scheme::CatmullClark => quads(edges, faces),
                 _ => ring(edges.iter().copied(), k as u32),
-            });
+            };
+            return found(all, tangents);
         }
         for (first, count) in local.sectors() {
             let edge = |i: usize| edges[(first + i) % m];
-            found(if local.is_corner() {
+            let tangents = if local.is_corner() {
                 [edge(0) - here, edge(count) - here]
             } else if self.rules.scheme == Scheme::CatmullClark {
                 let face = |i: usize| faces[(first + i) % k];
                 catmull_clark_side(here, count, edge, face)
             } else {
                 loop_side(here, count as u32, edge)
-            });
+            };
+            found((first, count), tangents);
         }
     }
 
