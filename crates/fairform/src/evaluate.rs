@@ -31,7 +31,7 @@
 //! The surface is $`C^2`$ for Loop and Catmull–Clark and $`C^1`$ for Doo–Sabin, except at
 //! extraordinary points, where it has a normal but no derivatives by these parameters, and across
 //! creases, where the result is that of the side of the face. Doo–Sabin's second derivatives are those
-//! of one of the patches where several meet.
+//! of one of the patches where several meet, and the first derivative across its boundary is zero there.
 
 use alloc::vec::Vec;
 

@@ -35,8 +35,8 @@ pub(super) struct Graph {
 
 #[derive(Clone, Debug)]
 enum Node {
-    /// The points of a polynomial patch.
-    Patch(Stencils),
+    /// The points of a polynomial patch, and whether Doo and Sabin's boundary is at `v = 0`.
+    Patch(Stencils, bool),
     Split(Split),
 }
 
@@ -88,7 +88,7 @@ impl Graph {
         let node = self.nodes.len() as u32;
         self.known.insert(key, node);
         // A place to be filled.
-        self.nodes.push(Node::Patch(patch::stencils(0, core::iter::empty())));
+        self.nodes.push(Node::Patch(patch::stencils(0, core::iter::empty()), false));
         pending.push((node, found.into_local(rules)));
         node
     }
@@ -100,7 +100,9 @@ impl Graph {
         pending: &mut Vec<(u32, Local)>,
     ) -> Result<Node, Error> {
         if let Some(points) = patch::regular(&local) {
-            return Ok(Node::Patch(points));
+            let is_strip = local.rules.scheme == Scheme::DooSabin
+                && local.topology.is_boundary(crate::VertexId(0));
+            return Ok(Node::Patch(points, is_strip));
         }
         let step = refine(&local.topology, &local.rules)?;
         let rows = step.stencils();
@@ -140,8 +142,9 @@ impl Graph {
         let mut steps = 0;
         loop {
             let split = match &self.nodes[node] {
-                Node::Patch(points) => {
-                    return patch_sample(scheme, points, values, at, jacobian, base);
+                Node::Patch(points, is_strip) => {
+                    let jet = jet(scheme, points, values, at);
+                    return patch_sample(jet, *is_strip, jacobian, base);
                 }
                 Node::Split(split) => split,
             };
@@ -248,15 +251,8 @@ fn normal([a, b]: [Vec3; 2]) -> Vec3 {
     a.normalized().cross(b.normalized()).normalized()
 }
 
-fn patch_sample(
-    scheme: Scheme,
-    points: &Stencils,
-    values: &[Vec3],
-    at: [f64; 2],
-    jacobian: [[f64; 2]; 2],
-    base: Vec3,
-) -> Sample {
-    let mut jet: Jet<Vec3> = [Vec3::ZERO; 6];
+fn jet(scheme: Scheme, points: &Stencils, values: &[Vec3], at: [f64; 2]) -> Jet<Vec3> {
+    let mut jet = [Vec3::ZERO; 6];
     let add = |i: usize, weights: Jet<f64>| {
         let point = sum(points.row(i), values);
         jet.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight * point);
@@ -266,7 +262,15 @@ fn patch_sample(
         Scheme::CatmullClark => basis::bicubic(at, add),
         Scheme::DooSabin => basis::biquadratic(at, add),
     }
-    let [p, du, dv, duu, duv, dvv] = jet;
+    jet
+}
+
+fn patch_sample(
+    [p, du, dv, duu, duv, dvv]: Jet<Vec3>,
+    is_strip: bool,
+    jacobian: [[f64; 2]; 2],
+    base: Vec3,
+) -> Sample {
     let [a, b] = [0, 1].map(|j| [jacobian[0][j], jacobian[1][j]]);
     let first = |d: [f64; 2]| d[0] * du + d[1] * dv;
     let second = |d: [f64; 2], e: [f64; 2]| {
@@ -276,6 +280,7 @@ fn patch_sample(
         position: base + p,
         first: Some([first(a), first(b)]),
         second: Some([second(a, a), second(a, b), second(b, b)]),
-        normal: normal([du, dv]),
+        // The derivative across a strip is v times the second one.
+        normal: normal([du, if is_strip { dvv } else { dv }]),
     }
 }

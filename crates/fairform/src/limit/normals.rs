@@ -148,6 +148,8 @@ impl<'a> Tangents<'a> {
             } else if self.rules.scheme == Scheme::CatmullClark {
                 let face = |i: usize| faces[(first + i) % k];
                 catmull_clark_side(here, count, edge, face)
+            } else if local.is_closed() {
+                loop_crease_side(here, count, edge)
             } else {
                 loop_side(here, count as u32, edge)
             };
@@ -223,7 +225,7 @@ fn quads(edges: &[Vec3], faces: &[Vec3]) -> [Vec3; 2] {
     t
 }
 
-/// Loop's tangents on one side of a curve through a vertex with `k` faces on that side.
+/// Loop's inward tangents at a boundary vertex with `k` faces.
 fn loop_side(here: Vec3, k: u32, edge: impl Fn(usize) -> Vec3) -> [Vec3; 2] {
     let mut across = inward_tangent_centre_weight(k) * here;
     for i in 0..=k {
@@ -232,8 +234,38 @@ fn loop_side(here: Vec3, k: u32, edge: impl Fn(usize) -> Vec3) -> [Vec3; 2] {
     [edge(0) - edge(k as usize), across]
 }
 
+/// Loop's tangents on one side of a crease through a vertex with `k` faces on that side. Other than on
+/// the boundary, the points on a crease are midpoints whatever the valence.
+///
+/// The inward one is the left eigenvector for $`\lambda = 3/8 + \cos(\theta)/4`$,
+/// $`\theta = \pi/k`$, which has $`\sin i\theta`$ at inner neighbours.
+fn loop_crease_side(here: Vec3, k: usize, edge: impl Fn(usize) -> Vec3) -> [Vec3; 2] {
+    let along = edge(0) - edge(k);
+    if k == 1 {
+        return [along, 0.5 * (edge(0) + edge(1)) - here];
+    }
+    let theta = PI / k as f64;
+    let eigenvalue = 0.375 + 0.25 * cos(theta);
+    let s = |i: usize| sin(i as f64 * theta);
+    let sum: f64 = (1..k).map(s).sum();
+    let [own, end] = curve_weights(eigenvalue, 0.375 * sum, 0.125 * s(1));
+    let inner: Vec3 = (1..k).map(|i| s(i) * edge(i)).sum();
+    [along, own * here + end * (edge(0) + edge(k)) + inner]
+}
+
+/// The weights of a vertex on a cubic B-spline and of each neighbour there, in a left eigenvector
+/// that draws so much from them for other points.
+fn curve_weights(eigenvalue: f64, own: f64, end: f64) -> [f64; 2] {
+    let whole = (eigenvalue - 1.0) * (eigenvalue - 0.25);
+    [((eigenvalue - 0.5) * own + end) / whole, ((eigenvalue - 0.75) * end + 0.125 * own) / whole]
+}
+
 /// Catmull–Clark tangents on one side of a curve through a vertex with `k` faces on that side.
-/// \[Biermann2000\]
+///
+/// The inward one is the left eigenvector for
+/// $`16\lambda = 5 + c + \sqrt{(c + 1)(c + 9)}`$, $`c = \cos\theta`$, $`\theta = \pi/k`$, which has
+/// $`(16\lambda - 4) \sin i\theta`$ at inner neighbours and
+/// $`\sin i\theta + \sin (i+1)\theta`$ at opposite corners.
 fn catmull_clark_side(
     here: Vec3,
     k: usize,
@@ -245,13 +277,14 @@ fn catmull_clark_side(
         return [along, 0.5 * (edge(0) + edge(1)) - here];
     }
     let theta = PI / k as f64;
-    let r = (cos(theta) + 1.0) / sin(theta);
-    let mut across = 4.0 * r * (cos(theta) - 1.0) * here;
-    across += -r * (1.0 + 2.0 * cos(theta)) * (edge(0) + edge(k));
-    across += sin(theta) * face(0);
-    for i in 1..k {
-        let (s, t) = (sin(i as f64 * theta), sin((i + 1) as f64 * theta));
-        across += 4.0 * s * edge(i) + (s + t) * face(i);
+    let c = cos(theta);
+    let eigenvalue = (5.0 + c + libm::sqrt((c + 1.0) * (c + 9.0))) / 16.0;
+    let s = |i: usize| sin(i as f64 * theta);
+    let sum: f64 = (1..k).map(s).sum();
+    let [own, end] = curve_weights(eigenvalue, (6.0 * eigenvalue - 1.0) * sum, eigenvalue * s(1));
+    let mut across = own * here + end * (edge(0) + edge(k));
+    for i in 0..k {
+        across += (16.0 * eigenvalue - 4.0) * s(i) * edge(i) + (s(i) + s(i + 1)) * face(i);
     }
     [along, across]
 }
