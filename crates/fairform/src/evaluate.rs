@@ -94,6 +94,8 @@ pub struct Sample {
     /// they may grow without bounds.
     pub second: Option<[Vec3; 3]>,
     /// The unit normal, outwards for counter-clockwise faces; zero where the tangents are parallel.
+    /// On a curve with many faces on a side (5 for Catmull–Clark, 7 on a crease for Loop) the surface
+    /// has no unique normal at the vertex, and the result is the one along the curve.
     /// At a boundary vertex with two faces Loop's limit surface has none, and the result is that of
     /// [`limit_normals`](crate::limit::limit_normals).
     pub normal: Vec3,
@@ -156,14 +158,14 @@ impl<'t> Evaluator<'t> {
         let mut node = alloc::vec![NONE; part_count];
         let (mut start, mut vertices) = (Vec::with_capacity(part_count + 1), Vec::new());
         start.push(0);
-        for part in 0..part_count {
+        for (part, node) in node.iter_mut().enumerate() {
             let h = beginning(&finer, scheme, part);
             if let Some(h) =
                 h.filter(|&h| is_covered(&finer, &next, h) && is_small(&finer, &next, h))
             {
                 let found = gatherer.gather(h);
                 vertices.extend(&found.vertices[..found.value_count]);
-                node[part] = graph.node(found, &next)?;
+                *node = graph.node(found, &next)?;
             }
             let end = u32::try_from(vertices.len())
                 .map_err(|_| Error::TooLarge { halfedges: vertices.len() as u64 })?;
@@ -252,22 +254,20 @@ impl<'t> Evaluator<'t> {
 
     fn look_at(&self, part: usize, location: Location) -> Result<Neighbourhood, Error> {
         let h = beginning(&self.finer, self.scheme, part);
-        match h.filter(|&h| is_covered(&self.finer, &self.next, h)) {
-            Some(h) => Ok(Gatherer::new(&self.finer, &self.next).gather(h)),
-            None => {
-                let corners = self.coarse.face_vertices(location.face);
-                let vertex = if part < self.coarse.halfedge_count() {
-                    self.coarse.origin(HalfedgeId(part as u32))
-                } else {
-                    corners[0]
-                };
-                let reason = match self.coarse.is_boundary(vertex) {
-                    true => "it is on the boundary, which is dropped",
-                    false => "it has only two faces",
-                };
-                Err(Error::NoLimit { vertex, scheme: self.scheme.name(), reason })
-            }
+        if let Some(h) = h.filter(|&h| is_covered(&self.finer, &self.next, h)) {
+            return Ok(Gatherer::new(&self.finer, &self.next).gather(h));
         }
+        let vertex = if part < self.coarse.halfedge_count() {
+            self.coarse.origin(HalfedgeId(part as u32))
+        } else {
+            self.coarse.face_vertices(location.face)[0]
+        };
+        let reason = if self.coarse.is_boundary(vertex) {
+            "it is on the boundary, which is dropped"
+        } else {
+            "it has only two faces"
+        };
+        Err(Error::NoLimit { vertex, scheme: self.scheme.name(), reason })
     }
 
     /// Finds the part of a location.
@@ -386,9 +386,10 @@ fn is_covered(finer: &Topology, next: &Rules, h: HalfedgeId) -> bool {
         return true;
     }
     let v = finer.origin(h);
-    match finer.is_boundary(v) {
-        true => next.border == Border::Bspline && finer.fan_size(v) == 2,
-        false => finer.fan_size(v) == 4,
+    if finer.is_boundary(v) {
+        next.border == Border::Bspline && finer.fan_size(v) == 2
+    } else {
+        finer.fan_size(v) == 4
     }
 }
 

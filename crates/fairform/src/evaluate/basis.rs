@@ -78,7 +78,7 @@ pub(super) fn quartic([u, v]: [f64; 2], mut found: impl FnMut(usize, Jet<f64>)) 
         count * powers[0][i] * powers[1][j] * powers[2][k]
     };
     for (n, &e) in QUARTICS.iter().enumerate() {
-        let [i, j, k] = e.map(|e| e as i8);
+        let [i, j, k] = e.map(u8::cast_signed);
         let jet = [
             b([i, j, k]),
             4.0 * (b([i, j - 1, k]) - b([i - 1, j, k])),

@@ -6,6 +6,7 @@
 //! walk in it: a product with a small matrix at each step, until the point lies in a regular patch.
 //! The steps at an extraordinary corner are the powers in \[Stam1998\].
 
+use alloc::boxed::Box;
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
@@ -37,7 +38,7 @@ pub(super) struct Graph {
 enum Node {
     /// The points of a polynomial patch, and whether Doo and Sabin's boundary is at `v = 0`.
     Patch(Stencils, bool),
-    Split(Split),
+    Split(Box<Split>),
 }
 
 /// A face that falls into four parts; the first may look like the whole.
@@ -121,7 +122,7 @@ impl Graph {
             let limit = limit_row(&parts[0].rows, local.value_count);
             Corner { limit, topology: local.topology, rules: local.rules }
         });
-        Ok(Node::Split(Split { parts, maps, corner }))
+        Ok(Node::Split(Box::new(Split { parts, maps, corner })))
     }
 
     /// The surface at the parameters `at` of a node, by the parameters whose derivatives are
@@ -136,7 +137,9 @@ impl Graph {
     ) -> Sample {
         // Relative to a point nearby, so that small differences keep their digits.
         let mut base = values.first().copied().unwrap_or_default();
-        values.iter_mut().for_each(|p| *p = *p - base);
+        for p in values.iter_mut() {
+            *p -= base;
+        }
         let mut node = node as usize;
         let mut finer = Vec::with_capacity(values.len());
         let mut steps = 0;
@@ -150,7 +153,9 @@ impl Graph {
             };
             if let Some(corner) = &split.corner {
                 let here: Vec3 = corner.limit.iter().zip(&*values).map(|(&w, &p)| w * p).sum();
-                values.iter_mut().for_each(|p| *p = *p - here);
+                for p in values.iter_mut() {
+                    *p -= here;
+                }
                 base += here;
                 steps += 1;
                 let is_there = at == if scheme == Scheme::DooSabin { [1.0; 2] } else { [0.0; 2] };
@@ -221,7 +226,9 @@ fn limit_row(rows: &Stencils, count: usize) -> Vec<f64> {
         }
     }
     let sum: f64 = row.iter().sum();
-    row.iter_mut().for_each(|w| *w /= sum);
+    for w in &mut row {
+        *w /= sum;
+    }
     row
 }
 

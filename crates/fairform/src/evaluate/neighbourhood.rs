@@ -95,7 +95,9 @@ impl<'a> Gatherer<'a> {
             self.add_fan(h);
         } else {
             self.add(h);
-            corners.iter().for_each(|&h| self.add_fan(h));
+            for &h in &corners {
+                self.add_fan(h);
+            }
         }
         let near = self.first.len();
         if self.rules.scheme == Scheme::Loop {

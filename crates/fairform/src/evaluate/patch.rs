@@ -232,9 +232,9 @@ fn cell(topology: &Topology) -> Option<Vec<Row>> {
         // The control points on the boundary count twice.
         set(AXES[2], last);
         let right = topology.ring(v).next()?;
-        [([-1, -1], last), ([0, -1], v), ([1, -1], right)]
-            .into_iter()
-            .for_each(|(at, v)| set(at, v));
+        for (at, v) in [([-1, -1], last), ([0, -1], v), ([1, -1], right)] {
+            set(at, v);
+        }
     }
     Some(points)
 }
