@@ -19,7 +19,16 @@ pub(crate) fn run() -> Result {
     )?;
     step(
         "tests of the direct solve",
-        &mut tests(&["--package", "fairform", "--features", "direct", "--test", "golden", "--test", "fitting"]),
+        &mut tests(&[
+            "--package",
+            "fairform",
+            "--features",
+            "direct",
+            "--test",
+            "golden",
+            "--test",
+            "fitting",
+        ]),
     )?;
     new_user::run()
 }

@@ -24,6 +24,7 @@ extern crate alloc;
 
 pub mod crease;
 pub mod error;
+pub mod evaluate;
 pub mod faces;
 pub mod fair;
 pub mod fairness;

@@ -17,6 +17,7 @@ mod local;
 mod normals;
 pub(crate) mod operator;
 
+pub(crate) use normals::side_tangents;
 pub use normals::{limit_normals, limit_tangents};
 
 use local::Local;

@@ -38,6 +38,11 @@ impl Local {
         Self { scheme: rules.scheme, closed, vertex, edges, boundary_edges }
     }
 
+    /// Whether the vertex is off the boundary.
+    pub(crate) fn is_closed(&self) -> bool {
+        self.closed
+    }
+
     pub(crate) fn face_count(&self) -> usize {
         if self.closed { self.edges.len() } else { self.edges.len() - 1 }
     }

@@ -9,7 +9,7 @@ use super::interpolating::InterpolatingTangents;
 use super::local::Local;
 use crate::crease::Sharpness;
 use crate::error::Error;
-use crate::ids::VertexId;
+use crate::ids::{HalfedgeId, VertexId};
 use crate::refine::DooSabinRows;
 use crate::scheme::loop_scheme::{
     inward_tangent_centre_weight, inward_tangent_weight, tangent_weights,
@@ -46,7 +46,7 @@ pub fn limit_normals(
     let mut normals = alloc::vec![Vec3::ZERO; points.len()];
     topology.fill_by_ring(&mut normals, |v, ring| {
         let mut normal = Vec3::ZERO;
-        tangents.at(v, ring, |[along, across]| {
+        tangents.at(v, ring, |_, [along, across]| {
             // Scaled first, so that no product of tiny or huge tangents under- or overflows.
             normal += along.normalized().cross(across.normalized()).normalized();
         });
@@ -72,12 +72,35 @@ pub fn limit_tangents(
     let mut out = alloc::vec![[Vec3::ZERO; 2]; points.len()];
     topology.fill_by_ring(&mut out, |v, ring| {
         let mut first = None;
-        tangents.at(v, ring, |t| {
+        tangents.at(v, ring, |_, t| {
             first.get_or_insert(t);
         });
         first.unwrap_or_default()
     });
     Ok(out)
+}
+
+/// The tangents at the vertex where a half-edge begins, on the side of its face. For Loop and
+/// Catmull–Clark; rules that fit the topology.
+pub(crate) fn side_tangents(
+    topology: &Topology,
+    points: &[Vec3],
+    rules: &Rules,
+    h: HalfedgeId,
+) -> [Vec3; 2] {
+    let (v, sharp) = (topology.origin(h), rules.sharpness(topology));
+    let place = topology.fan(v).position(|g| g == h).unwrap_or(0);
+    let size = topology.fan_size(v) as usize;
+    let mut here = [Vec3::ZERO; 2];
+    let (images, interpolating, weights) = (None, None, Vec::new());
+    let tangents = Tangents { sharp, rules, points, images, weights, interpolating };
+    let around: Vec<u32> = topology.ring(v).map(|q| q.0).collect();
+    tangents.at(v, &around, |(first, count), t| {
+        if (place + size - first % size) % size < count {
+            here = t;
+        }
+    });
+    here
 }
 
 struct Tangents<'a> {
@@ -106,24 +129,26 @@ impl<'a> Tangents<'a> {
         Ok(Self { sharp, rules, points, images, weights, interpolating })
     }
 
-    /// The tangents at a vertex, for each of its sectors between sharp edges.
-    fn at(&self, v: VertexId, around: &[u32], mut found: impl FnMut([Vec3; 2])) {
+    /// The tangents at a vertex, for each of its sectors between sharp edges: first face and number
+    /// of faces.
+    fn at(&self, v: VertexId, around: &[u32], mut found: impl FnMut((usize, usize), [Vec3; 2])) {
         let topology = self.sharp.topology;
+        let all = (0, topology.fan_size(v) as usize);
         if topology.is_isolated(v) {
             return;
         }
         let point = |q: VertexId| self.points[q.index()];
         if let Some(images) = &self.images {
-            return found(self.doo_sabin(images, v));
+            return found(all, self.doo_sabin(images, v));
         }
         if let Some(tangents) = &self.interpolating {
-            return tangents.at(v, &mut found);
+            return tangents.at(v, &mut |t| found(all, t));
         }
         if self.rules.scheme == Scheme::Loop
             && self.rules.creases.is_none()
             && !topology.is_boundary(v)
         {
-            return found(self.ring(around));
+            return found(all, self.ring(around));
         }
         let mut values = alloc::vec![point(v)];
         values.extend(around.iter().map(|&q| self.points[q as usize]));
@@ -138,21 +163,25 @@ impl<'a> Tangents<'a> {
         let (here, edges) = (values[0], &values[1..=m]);
         let faces = &values[1 + m..];
         if local.is_smooth() {
-            return found(match self.rules.scheme {
+            let tangents = match self.rules.scheme {
                 Scheme::CatmullClark => quads(edges, faces),
                 _ => ring(edges.iter().copied(), k as u32),
-            });
+            };
+            return found(all, tangents);
         }
         for (first, count) in local.sectors() {
             let edge = |i: usize| edges[(first + i) % m];
-            found(if local.is_corner() {
+            let tangents = if local.is_corner() {
                 [edge(0) - here, edge(count) - here]
             } else if self.rules.scheme == Scheme::CatmullClark {
                 let face = |i: usize| faces[(first + i) % k];
                 catmull_clark_side(here, count, edge, face)
+            } else if local.is_closed() {
+                loop_crease_side(here, count, edge)
             } else {
                 loop_side(here, count as u32, edge)
-            });
+            };
+            found((first, count), tangents);
         }
     }
 
@@ -237,7 +266,7 @@ fn quads(edges: &[Vec3], faces: &[Vec3]) -> [Vec3; 2] {
     t
 }
 
-/// Loop's tangents on one side of a curve through a vertex with `k` faces on that side.
+/// Loop's inward tangents at a boundary vertex with `k` faces.
 fn loop_side(here: Vec3, k: u32, edge: impl Fn(usize) -> Vec3) -> [Vec3; 2] {
     let mut across = inward_tangent_centre_weight(k) * here;
     for i in 0..=k {
@@ -246,8 +275,38 @@ fn loop_side(here: Vec3, k: u32, edge: impl Fn(usize) -> Vec3) -> [Vec3; 2] {
     [edge(0) - edge(k as usize), across]
 }
 
+/// Loop's tangents on one side of a crease through a vertex with `k` faces on that side. Other than on
+/// the boundary, the points on a crease are midpoints whatever the valence.
+///
+/// The inward one is the left eigenvector for $`\lambda = 3/8 + \cos(\theta)/4`$,
+/// $`\theta = \pi/k`$, which has $`\sin i\theta`$ at inner neighbours.
+fn loop_crease_side(here: Vec3, k: usize, edge: impl Fn(usize) -> Vec3) -> [Vec3; 2] {
+    let along = edge(0) - edge(k);
+    if k == 1 {
+        return [along, 0.5 * (edge(0) + edge(1)) - here];
+    }
+    let theta = PI / k as f64;
+    let eigenvalue = 0.375 + 0.25 * cos(theta);
+    let s = |i: usize| sin(i as f64 * theta);
+    let sum: f64 = (1..k).map(s).sum();
+    let [own, end] = curve_weights(eigenvalue, 0.375 * sum, 0.125 * s(1));
+    let inner: Vec3 = (1..k).map(|i| s(i) * edge(i)).sum();
+    [along, own * here + end * (edge(0) + edge(k)) + inner]
+}
+
+/// The weights of a vertex on a cubic B-spline and of each neighbour there, in a left eigenvector
+/// that draws so much from them for other points.
+fn curve_weights(eigenvalue: f64, own: f64, end: f64) -> [f64; 2] {
+    let whole = (eigenvalue - 1.0) * (eigenvalue - 0.25);
+    [((eigenvalue - 0.5) * own + end) / whole, ((eigenvalue - 0.75) * end + 0.125 * own) / whole]
+}
+
 /// Catmull–Clark tangents on one side of a curve through a vertex with `k` faces on that side.
-/// \[Biermann2000\]
+///
+/// The inward one is the left eigenvector for
+/// $`16\lambda = 5 + c + \sqrt{(c + 1)(c + 9)}`$, $`c = \cos\theta`$, $`\theta = \pi/k`$, which has
+/// $`(16\lambda - 4) \sin i\theta`$ at inner neighbours and
+/// $`\sin i\theta + \sin (i+1)\theta`$ at opposite corners.
 fn catmull_clark_side(
     here: Vec3,
     k: usize,
@@ -259,13 +318,14 @@ fn catmull_clark_side(
         return [along, 0.5 * (edge(0) + edge(1)) - here];
     }
     let theta = PI / k as f64;
-    let r = (cos(theta) + 1.0) / sin(theta);
-    let mut across = 4.0 * r * (cos(theta) - 1.0) * here;
-    across += -r * (1.0 + 2.0 * cos(theta)) * (edge(0) + edge(k));
-    across += sin(theta) * face(0);
-    for i in 1..k {
-        let (s, t) = (sin(i as f64 * theta), sin((i + 1) as f64 * theta));
-        across += 4.0 * s * edge(i) + (s + t) * face(i);
+    let c = cos(theta);
+    let eigenvalue = (5.0 + c + libm::sqrt((c + 1.0) * (c + 9.0))) / 16.0;
+    let s = |i: usize| sin(i as f64 * theta);
+    let sum: f64 = (1..k).map(s).sum();
+    let [own, end] = curve_weights(eigenvalue, (6.0 * eigenvalue - 1.0) * sum, eigenvalue * s(1));
+    let mut across = own * here + end * (edge(0) + edge(k));
+    for i in 0..k {
+        across += (16.0 * eigenvalue - 4.0) * s(i) * edge(i) + (s(i) + s(i + 1)) * face(i);
     }
     [along, across]
 }

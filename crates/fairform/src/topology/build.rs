@@ -64,6 +64,15 @@ impl Topology {
         Ok(topology.with_edges())
     }
 
+    /// A topology whose twins are known, and known to be consistent.
+    pub(crate) fn from_twins(vertex_count: usize, faces: &Faces, twin: Vec<u32>) -> Self {
+        let soup = Soup { vertex_count, faces, polygons: polygons(faces), sound: Vec::new() };
+        let (outgoing, fan) = soup.fans(&twin);
+        let (polygons, origin) = (soup.polygons, faces.corners().to_vec());
+        let (edge, edge_halfedge) = (Vec::new(), Vec::new());
+        Self { polygons, origin, twin, edge, edge_halfedge, outgoing, fan }.with_edges()
+    }
+
     /// Vertices whose faces form several fans: walking the one at `outgoing` misses some.
     fn split_vertices(&self, skip: &[bool]) -> Vec<Defect> {
         let found = par::blocks(self.outgoing.len(), |vertices: Range<usize>| {
