@@ -4,12 +4,12 @@
 //! vertices moved to the limit, with the normals of [`limit_normals`](crate::limit::limit_normals).
 //!
 //! ```
-//! use fairform::{Corners, Scheme, fairness, limit, refine, shapes};
+//! use fairform::{Rules, fairness, limit, refine, shapes};
 //!
-//! let control = refine::refine_mesh(&shapes::icosahedron(), Scheme::Loop, Corners::Smooth, 3)?;
+//! let (control, rules) = refine::refine_mesh(&shapes::icosahedron(), &Rules::LOOP, 3)?;
 //! let (net, points) = (control.topology(), control.positions());
-//! let positions = limit::limit_points(net, points, Scheme::Loop, Corners::Smooth)?;
-//! let normals = limit::limit_normals(net, points, Scheme::Loop, Corners::Smooth)?;
+//! let positions = limit::limit_points(net, points, &rules)?;
+//! let normals = limit::limit_normals(net, points, &rules)?;
 //! let curvatures = fairness::curvatures(net, &positions, &normals);
 //! let measures = fairness::measures(net, &positions, &curvatures);
 //! // Nearly a sphere, of which this is 4π.
