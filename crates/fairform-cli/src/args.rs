@@ -172,6 +172,9 @@ pub(crate) struct Limit {
 pub(crate) struct Info {
     #[command(flatten)]
     pub(crate) input: Input,
+    /// Also say whether a scheme suits the mesh.
+    #[arg(long, value_name = "SCHEME")]
+    pub(crate) scheme: Option<Scheme>,
 }
 
 /// Write a mesh in another format.
@@ -290,6 +293,12 @@ pub(crate) struct Render {
     /// What the colours span: auto (2nd to 98th percentile), full, 5%..95%, or numbers as in -1..1.
     #[arg(long, default_value = "auto", allow_hyphen_values = true)]
     pub(crate) range: Range,
+    /// Draw the limit surface that this scheme makes of each mesh.
+    #[arg(long, value_name = "SCHEME")]
+    pub(crate) scheme: Option<Scheme>,
+    /// Refinement steps for --scheme.
+    #[arg(long, default_value_t = 3, value_name = "N", requires = "scheme")]
+    pub(crate) levels: u32,
     /// The mesh that --colour error measures against.
     #[arg(long, value_name = "MESH")]
     pub(crate) reference: Option<PathBuf>,

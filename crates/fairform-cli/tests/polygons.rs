@@ -206,3 +206,22 @@ fn surfaces_are_coloured() {
     folder.fails("render surface.ply -o p.png --colour error", 2, "--reference");
     folder.fails("render surface.ply -o p.png --colour tension", 2, "--lambda");
 }
+
+#[test]
+fn schemes_are_judged_and_drawn() {
+    let folder = Folder::new();
+    cube(&folder);
+    let json = folder.ok("info cube.obj --json --scheme catmull-clark").json();
+    assert_eq!(json["scheme"]["suits"], true);
+    assert!(json["scheme"]["note"].as_str().unwrap().contains("level 1"), "{json}");
+    let json = folder.ok("info cube.obj --json --scheme loop").json();
+    assert_eq!(json["scheme"]["suits"], false);
+    folder.ok("info cube.obj --scheme kobbelt");
+    let mut pictures = Vec::new();
+    for options in ["", "--scheme catmull-clark", "--scheme doo-sabin --lambda 0.9"] {
+        folder.ok(&format!("render cube.obj -o p.png --size 200x160 {options}"));
+        pictures.push(folder.bytes("p.png"));
+    }
+    assert!(pictures[0] != pictures[1] && pictures[1] != pictures[2]);
+    folder.fails("render cube.obj -o p.png --scheme loop", 1, "triangles");
+}

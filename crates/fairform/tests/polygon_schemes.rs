@@ -363,3 +363,42 @@ fn choices_that_do_not_fit_are_errors() {
     assert!(creases.set_edge(edge, f64::NAN).is_err());
     assert!(creases.set_edge(edge, -1.0).is_err());
 }
+
+/// `B = D S` with nonnegative rows that sum to one and `S` symmetric positive definite: so all
+/// eigenvalues lie in (0, 1], whatever the parameters.
+#[test]
+fn eigenvalues_lie_between_0_and_1_for_any_parameters() {
+    for seed in 1..40_u64 {
+        let mesh = random_mesh(seed * 7919, (seed % 20) as usize, 0);
+        let topology = mesh.topology();
+        let random = |f: usize| ((f as u64 * 2_654_435_761 + seed * 97) % 1000 + 1) as f64 / 1001.0;
+        let tension: Vec<f64> = (0..topology.face_count()).map(random).collect();
+        let rules = Rules { tension: Some(tension.into()), ..Scheme::DooSabin.into() };
+        let rows = limit::limit_stencils(topology, &rules).unwrap();
+        let n = rows.row_count();
+        let mut s = vec![vec![0.0; n]; n];
+        for (i, line) in s.iter_mut().enumerate() {
+            let scale = f64::from(topology.fan_size(VertexId(i as u32)));
+            let mut sum = 0.0;
+            for (v, w) in rows.row(i) {
+                assert!(w >= 0.0, "no negative weight");
+                sum += w;
+                line[v.index()] = scale * w;
+            }
+            assert!((sum - 1.0).abs() < 1e-13);
+        }
+        assert!((0..n).all(|i| (0..i).all(|j| (s[i][j] - s[j][i]).abs() < 1e-12)), "symmetric");
+        // Cholesky's factorisation exists exactly for positive definite matrices.
+        for k in 0..n {
+            let pivot = s[k][k];
+            assert!(pivot > 1e-9, "seed {seed}: pivot {k} is {pivot}");
+            let upper = s[k].clone();
+            for line in &mut s[k + 1..] {
+                let factor = line[k] / pivot;
+                for (x, u) in line[k..].iter_mut().zip(&upper[k..]) {
+                    *x -= factor * u;
+                }
+            }
+        }
+    }
+}

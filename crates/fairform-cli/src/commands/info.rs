@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::process::ExitCode;
 
 use fairform::repair::Soup;
-use fairform::{Bounds, Defect, Error, Faces, Mesh};
+use fairform::{Bounds, Defect, Error, Faces, Mesh, Rules, Scheme, limit, pushback};
 use fairform_io::MeshData;
 use serde_json::{Value, json};
 
@@ -17,13 +17,44 @@ use crate::steps::{self, Steps, coincident};
 
 pub(crate) fn run(args: &Info, console: &Console) -> Result<ExitCode, Failure> {
     let source = Source::from(&args.input);
-    let facts = Facts::new(input::read(&source, console)?);
+    let data = input::read(&source, console)?;
+    let suits = args.scheme.map(|scheme| (scheme, suits(scheme, &data)));
+    let facts = Facts::new(data);
     if console.json() {
-        console.result(&facts.json(&source))?;
+        let mut json = facts.json(&source);
+        if let Some((scheme, words)) = &suits {
+            json["scheme"] = json!({
+                "name": scheme.name(),
+                "suits": words.is_ok(),
+                "note": words.as_ref().unwrap_or_else(|e| e),
+            });
+        }
+        console.result(&json)?;
     } else {
-        console.print(&facts.text(&source))?;
+        let mut text = facts.text(&source);
+        if let Some((scheme, Ok(words) | Err(words))) = &suits {
+            let _ = writeln!(text, "  {scheme}: {words}");
+        }
+        console.print(&text)?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Whether a scheme can make a surface through the vertices of a mesh, in words.
+fn suits(scheme: Scheme, data: &MeshData) -> Result<String, String> {
+    let mesh = Mesh::new(data.positions.clone(), &data.faces).map_err(|e| e.to_string())?;
+    let rules = Rules::from(scheme);
+    limit::limit_stencils(mesh.topology(), &rules).map_err(|e| e.to_string())?;
+    let singular = pushback::singular_components(mesh.topology(), &rules).len();
+    if singular > 0 {
+        return Ok(format!(
+            "suits; {} of valence 3 everywhere {} fitted exactly at level 1",
+            count(singular) + if singular == 1 { " part" } else { " parts" },
+            if singular == 1 { "is" } else { "are" }
+        ));
+    }
+    let exact = if scheme.is_interpolating() { ", and keeps the vertices by itself" } else { "" };
+    Ok(format!("suits{exact}"))
 }
 
 struct Facts {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use fairform::fairness;
+use fairform::{Rules, Scheme, fairness};
 use fairform_io::MeshData;
 use fairform_render::{
     Body, Colour, ColourMap, Dot, Line, Options, Panel, Surface as SurfaceLook, Values, View,
@@ -15,13 +15,25 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::{self, Source};
 use crate::rules;
-use crate::surface::Surface;
+use crate::surface::{Surface, check_memory};
 
 pub(crate) fn run(args: &Render, console: &Console) -> Result<ExitCode, Failure> {
     check_picture(&args.output)?;
     input::check_outputs(&[&args.output], console)?;
     let read = |path: &PathBuf| input::read(&Source { path, format: args.from }, console);
-    let meshes = args.inputs.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let mut meshes = args.inputs.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    if let Some(scheme) = args.scheme {
+        if args.colour == Some(ColourChoice::Tension) {
+            return Err(Failure::usage(
+                "--colour tension is of the faces as given, not of a surface",
+            )
+            .help("leave out --scheme"));
+        }
+        for (data, path) in meshes.iter_mut().zip(&args.inputs) {
+            let source = Source { path, format: args.from };
+            *data = surface_of(args, scheme, std::mem::take(data), &source, console)?;
+        }
+    }
     let values = values(args, &meshes, console)?;
     let panels: Vec<Panel> = meshes
         .iter()
@@ -38,6 +50,26 @@ pub(crate) fn run(args: &Render, console: &Console) -> Result<ExitCode, Failure>
     drop(progress);
     console.result(&json!({ "width": picture.width, "height": picture.height }))?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// The limit surface that a scheme makes of a control mesh.
+fn surface_of(
+    args: &Render,
+    scheme: Scheme,
+    data: MeshData,
+    source: &Source,
+    console: &Console,
+) -> Result<MeshData, Failure> {
+    let mut surface = Surface::new(data, source)?;
+    surface.rules = Rules {
+        tension: rules::tension(&args.tension, &surface)?.map(Into::into),
+        ..scheme.into()
+    };
+    check_memory(&surface, args.levels, source)?;
+    let at = |e| surface.failure(source, &e);
+    let mut fine = surface.refine(args.levels, &console.progress()).map_err(at)?;
+    fine.move_to_limit().map_err(at)?;
+    Ok(fine.into_data())
 }
 
 /// Only PNG is written.
