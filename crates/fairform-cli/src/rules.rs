@@ -21,10 +21,9 @@ pub(crate) fn build(
     let mut rules = Rules {
         scheme: options.scheme,
         corners: match options.corners {
-            Some(CornerChoice::Smooth) => Corners::Smooth,
             Some(CornerChoice::Sharp) => Corners::Sharp,
             None if options.scheme == Scheme::Kobbelt => Corners::Sharp,
-            None => Corners::Smooth,
+            Some(CornerChoice::Smooth) | None => Corners::Smooth,
         },
         kobbelt_weight: options.w,
         border: match options.boundary {

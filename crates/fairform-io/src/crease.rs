@@ -151,13 +151,13 @@ fn obj(text: &str) -> Result<CreaseList, ParseError> {
                 };
                 list.vertices.extend(corners.into_iter().map(|v| (v, sharpness)));
             }
-            "interpolateboundary" => match int(0) {
-                Some(choice @ 1..=2) => list.keep_corners = Some(choice == 2),
-                _ => {
+            "interpolateboundary" => {
+                let Some(choice @ 1..=2) = int(0) else {
                     let expected = "1 (edges) or 2 (edges and corners)";
                     return Err(wrong(place, "a bad boundary choice", expected));
-                }
-            },
+                };
+                list.keep_corners = Some(choice == 2);
+            }
             // Tags of other meaning.
             _ => {}
         }

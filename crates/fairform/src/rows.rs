@@ -88,12 +88,11 @@ fn merge(entries: &mut Vec<(u32, f64)>, start: usize) {
     if row.len() <= FEW {
         for i in 0..row.len() {
             let (source, weight) = row[i];
-            match row[..kept].iter_mut().find(|e| e.0 == source) {
-                Some(first) => first.1 += weight,
-                None => {
-                    row[kept] = (source, weight);
-                    kept += 1;
-                }
+            if let Some(first) = row[..kept].iter_mut().find(|e| e.0 == source) {
+                first.1 += weight;
+            } else {
+                row[kept] = (source, weight);
+                kept += 1;
             }
         }
     } else {

@@ -328,12 +328,11 @@ fn creases_by_hand() {
         at_origin[..count].iter().for_each(|&e| creases.set_edge(e, 10.0).unwrap());
         let rules = Rules { creases: Some(creases.into()), ..catmull_clark(Corners::Smooth) };
         let points = refine(topology, &rules).unwrap().apply(cube.positions());
-        match expected {
-            Some(p) => assert_eq!(points[0], p),
-            None => {
-                let sum = points[0].x + points[0].y + points[0].z;
-                assert!((sum - 0.25).abs() < 1e-15, "two neighbours, an eighth each: {sum}");
-            }
+        if let Some(p) = expected {
+            assert_eq!(points[0], p);
+        } else {
+            let sum = points[0].x + points[0].y + points[0].z;
+            assert!((sum - 0.25).abs() < 1e-15, "two neighbours, an eighth each: {sum}");
         }
     }
 }

@@ -1,7 +1,6 @@
 //! Running the command in a folder of its own.
 
 #![allow(dead_code, reason = "every test file uses some of it")]
-#![expect(clippy::format_push_string, reason = "short texts")]
 
 use std::fs;
 use std::path::{Path, PathBuf};

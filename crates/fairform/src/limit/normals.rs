@@ -103,6 +103,9 @@ pub(crate) fn side_tangents(
     here
 }
 
+/// A rule that tells its entries to whoever asks.
+type Entries<'e> = dyn Fn(&mut dyn FnMut(u32, f64)) + 'e;
+
 struct Tangents<'a> {
     sharp: Sharpness<'a>,
     rules: &'a Rules,
@@ -200,7 +203,7 @@ impl<'a> Tangents<'a> {
 
     fn doo_sabin(&self, images: &DooSabinRows<'_>, v: VertexId) -> [Vec3; 2] {
         let topology = self.sharp.topology;
-        let sum = |visit: &dyn Fn(&mut dyn FnMut(u32, f64))| {
+        let sum = |visit: &Entries<'_>| {
             let mut sum = Vec3::ZERO;
             visit(&mut |q, w| sum += w * self.points[q as usize]);
             sum

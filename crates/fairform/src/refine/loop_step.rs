@@ -184,12 +184,7 @@ impl<'t> LoopRows<'t> {
         }
     }
 
-    fn vertex(
-        &self,
-        v: VertexId,
-        ring: impl ExactSizeIterator<Item = u32> + Clone,
-        mut entry: impl FnMut(u32, f64),
-    ) {
+    fn vertex(&self, v: VertexId, ring: &[u32], mut entry: impl FnMut(u32, f64)) {
         if self.sharp.topology.is_isolated(v) {
             return entry(v.0, 1.0);
         }
@@ -205,7 +200,7 @@ impl<'t> LoopRows<'t> {
                     let together = self.ring[n];
                     entry(v.0, (1.0 - together) * share);
                     let each = together / n as f64 * share;
-                    ring.clone().for_each(|q| entry(q, each));
+                    ring.iter().for_each(|&q| entry(q, each));
                 }
             }
         }
@@ -255,7 +250,7 @@ impl Rows for LoopRows<'_> {
 
     #[inline]
     fn visit_vertex(&self, v: VertexId, ring: &[u32], entry: impl FnMut(u32, f64)) {
-        self.vertex(v, ring.iter().copied(), entry);
+        self.vertex(v, ring, entry);
     }
 }
 
