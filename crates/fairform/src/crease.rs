@@ -6,10 +6,11 @@
 
 use alloc::vec::Vec;
 
-use crate::Topology;
 use crate::error::Error;
-use crate::ids::{EdgeId, VertexId};
+use crate::fairness::face_normal;
+use crate::ids::{EdgeId, FaceId, VertexId};
 use crate::scheme::Corners;
+use crate::{Topology, par};
 
 /// Sharpness from which an edge or vertex stays sharp for ever.
 pub const INFINITE: f64 = 10.0;
@@ -46,19 +47,16 @@ impl Creases {
     ) -> Result<Self, Error> {
         check("the angle of creases", degrees)?;
         assert_eq!(positions.len(), topology.vertex_count(), "one position per vertex");
-        let normal = |f| {
-            let face = topology.face_vertices(f);
-            let origin = positions[face[0].index()];
-            let corner = |v: &VertexId| positions[v.index()] - origin;
-            let area = face.windows(2).map(|w| corner(&w[0]).cross(corner(&w[1])));
-            area.sum::<crate::Vec3>().normalized()
-        };
+        let normals = par::collect(topology.face_count(), |f| {
+            face_normal(topology, FaceId(f as u32), |v| positions[v.index()])
+        });
+        let normal = |h| normals[topology.face(h).index()];
         let limit = libm::cos(degrees.min(180.0).to_radians());
         let mut creases = Self::smooth(topology);
         for e in topology.edges() {
             let h = topology.edge_halfedge(e);
             if let Some(t) = topology.twin(h)
-                && normal(topology.face(h)).dot(normal(topology.face(t))) < limit
+                && normal(h).dot(normal(t)) < limit
             {
                 creases.set_edge(e, sharpness)?;
             }

@@ -37,5 +37,6 @@ mod undulation;
 pub use curvature::{Curvature, curvatures};
 pub use distance::{Deviation, deviation, distances, mutual_deviation, samples};
 pub use measures::{Measures, PERCENTILES, measures};
+pub(crate) use normals::face_normal;
 pub use normals::{fitted_normals, vertex_normals};
 pub use undulation::{Undulation, undulation};

@@ -2,6 +2,7 @@
 
 use alloc::vec::Vec;
 
+use crate::fairness::face_normal;
 use crate::{Mesh, Vec3, par};
 
 /// A parameter for each face, near which the two-phase surface puts the middle of the face on the
@@ -20,11 +21,7 @@ pub fn automatic(mesh: &Mesh) -> Vec<f64> {
     const SMALLEST: f64 = 0.05;
     let (topology, points) = (mesh.topology(), mesh.positions());
     let normals = par::collect(topology.face_count(), |f| {
-        let face = topology.face_vertices(crate::FaceId(f as u32));
-        let origin = points[face[0].index()];
-        let corner = |v: crate::VertexId| points[v.index()] - origin;
-        let area = face.windows(2).map(|w| corner(w[0]).cross(corner(w[1])));
-        area.sum::<Vec3>().normalized()
+        face_normal(topology, crate::FaceId(f as u32), |v| points[v.index()])
     });
     let around = par::collect(points.len(), |v| {
         let fan = topology.fan(crate::VertexId(v as u32));

@@ -81,7 +81,7 @@ pub fn vertex_normals(topology: &Topology, positions: &[Vec3]) -> Vec<Vec3> {
 }
 
 /// The unit normal of a polygon (Newell's sum of cross products); zero if it has no area.
-pub(super) fn face_normal(
+pub(crate) fn face_normal(
     topology: &Topology,
     f: FaceId,
     point: impl Fn(VertexId) -> Vec3,

@@ -144,7 +144,7 @@ impl Local {
     fn vertex_row(&self, zero: Vec<f64>, add_face: &dyn Fn(&mut [f64], usize, f64)) -> Vec<f64> {
         let mut row = zero;
         let now = self.curve();
-        let next = self.next_sharpness();
+        let next = self.next();
         let count = |curve: &Option<Vec<usize>>| curve.as_ref().map(Vec::len);
         let shares = if count(&now) == count(&next.curve()) {
             [1.0, 0.0]
@@ -185,13 +185,6 @@ impl Local {
             row[0] += (1.0 - ring) * share;
             row[1..=m].iter_mut().for_each(|w| *w += ring / f64::from(n) * share);
         }
-    }
-
-    fn next_sharpness(&self) -> Self {
-        let mut next = self.clone();
-        next.vertex = after_step(self.vertex);
-        next.edges.iter_mut().for_each(|s| *s = after_step(*s));
-        next
     }
 
     /// The weights of the values on the fan in the limit point of the vertex, faces by centroid.
