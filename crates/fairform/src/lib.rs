@@ -39,6 +39,7 @@ pub mod scheme;
 pub mod select;
 pub mod shapes;
 pub mod solve;
+pub mod sphere;
 pub mod stencil;
 pub mod tension;
 pub mod topology;

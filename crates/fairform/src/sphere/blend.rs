@@ -1,0 +1,192 @@
+//! Two directions, blended along their great circle.
+
+use crate::Vec3;
+
+/// Directions whose vector product is shorter count as equal or opposite.
+const PARALLEL: f64 = 1e-14;
+
+/// Below this scalar product the sum of two directions says little of the plane between them.
+const NEARLY_OPPOSITE: f64 = -0.9;
+
+/// The blend $`(1-u)\,t_0 \oplus u\,t_1`$ of two directions: `t0` turned by $`u\,\theta`$ towards `t1`,
+/// where $`\theta`$ is the angle between them; below 0 and above 1 it goes on along the same circle.
+/// Commutative to the last bit if $`1 - u`$ is exact. \[Miura2001, eq. 26, with atan2\]
+///
+/// Opposite directions have no one circle: the axis then is $`t_0 \times e_m`$ with $`e_m`$ the
+/// coordinate axis of the smallest coordinate of `t0` (the first of equals), which keeps the blend
+/// commutative.
+#[must_use]
+pub fn blend(t0: Vec3, t1: Vec3, u: f64) -> Vec3 {
+    weighted(1.0 - u, t0, u, t1)
+}
+
+/// [`blend`] by both coefficients, whose sum is one.
+#[must_use]
+pub fn weighted(c0: f64, t0: Vec3, c1: f64, t1: Vec3) -> Vec3 {
+    if c0 == c1 {
+        return midpoint(t0, t1);
+    }
+    if c0 == 0.75 && c1 == 0.25 {
+        return midpoint(t0, midpoint(t0, t1));
+    }
+    if c0 == 0.25 && c1 == 0.75 {
+        return midpoint(midpoint(t0, t1), t1);
+    }
+    if c0 == 0.0 {
+        return t1;
+    }
+    if c1 == 0.0 || t0 == t1 {
+        return t0;
+    }
+    general(c0, t0, c1, t1)
+}
+
+fn general(c0: f64, t0: Vec3, c1: f64, t1: Vec3) -> Vec3 {
+    let cosine = t0.dot(t1);
+    if cosine < NEARLY_OPPOSITE {
+        // In an order of its own, so that the blend is commutative to the last bit.
+        return if precedes(t0, t1) { turn(t0, t1, c1) } else { turn(t1, t0, c0) };
+    }
+    let sine = t0.cross(t1).length();
+    if sine <= PARALLEL {
+        return (c0 * t0 + c1 * t1).normalized();
+    }
+    let theta = libm::atan2(sine, cosine);
+    (libm::sin(c0 * theta) * t0 + libm::sin(c1 * theta) * t1).normalized()
+}
+
+/// `t0`, turned by `u` times the angle to `t1`.
+pub(crate) fn turn(t0: Vec3, t1: Vec3, u: f64) -> Vec3 {
+    let (axis, theta) = axis_angle(t0, t1);
+    if theta == 0.0 {
+        return t0;
+    }
+    (libm::cos(u * theta) * t0 + libm::sin(u * theta) * axis.cross(t0)).normalized()
+}
+
+/// Unit axis and angle in $`[0, \pi]`$ of the rotation along the great circle from `t0` to `t1`.
+pub(crate) fn axis_angle(t0: Vec3, t1: Vec3) -> (Vec3, f64) {
+    let (across, cosine) = (t0.cross(t1), t0.dot(t1));
+    let sine = across.length();
+    if sine > PARALLEL {
+        (across / sine, libm::atan2(sine, cosine))
+    } else if cosine > 0.0 {
+        (Vec3::ZERO, 0.0)
+    } else {
+        (conventional_axis(t0), core::f64::consts::PI)
+    }
+}
+
+/// The axis about which `t` is turned into its opposite: an odd function of `t`.
+pub(super) fn conventional_axis(t: Vec3) -> Vec3 {
+    let size = [t.x.abs(), t.y.abs(), t.z.abs()];
+    let mut smallest = 0;
+    for axis in 1..3 {
+        if size[axis] < size[smallest] {
+            smallest = axis;
+        }
+    }
+    let unit = [Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0)];
+    t.cross(unit[smallest]).normalized()
+}
+
+fn precedes(a: Vec3, b: Vec3) -> bool {
+    let key = |t: Vec3| [t.x, t.y, t.z];
+    key(a).partial_cmp(&key(b)) == Some(core::cmp::Ordering::Less)
+}
+
+/// Whether two directions are opposite, so that their great circle is a matter of convention.
+pub(super) fn is_antipodal(t0: Vec3, t1: Vec3) -> bool {
+    t0.dot(t1) < 0.0 && t0.cross(t1).length() <= PARALLEL
+}
+
+/// The angle between two directions, in $`[0, \pi]`$.
+#[must_use]
+pub fn angle(t0: Vec3, t1: Vec3) -> f64 {
+    libm::atan2(t0.cross(t1).length(), t0.dot(t1))
+}
+
+/// The direction halfway between two: their sum, scaled. Needs no trigonometry.
+#[inline]
+#[must_use]
+pub fn midpoint(t0: Vec3, t1: Vec3) -> Vec3 {
+    if t0 == t1 {
+        return t0;
+    }
+    let sum = t0 + t1;
+    let square = sum.dot(sum);
+    if square > 2.0 + 2.0 * NEARLY_OPPOSITE {
+        return sum / libm::sqrt(square);
+    }
+    if precedes(t0, t1) { turn(t0, t1, 0.5) } else { turn(t1, t0, 0.5) }
+}
+
+/// Terms of the series: enough up to angles of 20 degrees.
+const TERMS: usize = 11;
+
+/// Largest $`\sin^2(\theta/2)`$ for the series.
+const LARGEST: f64 = 0.03;
+
+/// Blends with the same two coefficients, often: for nearby directions a series instead of
+/// trigonometry,
+///
+/// ```math
+/// \frac{\sin u\theta}{\sin\theta} = u\;{}_2F_1\bigl(1+u,\,1-u;\,\tfrac32;\,\sin^2\tfrac\theta2\bigr).
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extrapolation {
+    coefficients: [f64; 2],
+    series: [[f64; TERMS]; 2],
+}
+
+impl Extrapolation {
+    pub(crate) fn new(c0: f64, c1: f64) -> Self {
+        Self { coefficients: [c0, c1], series: [series(c0), series(c1)] }
+    }
+
+    /// $`c_0\,t_0 \oplus c_1\,t_1`$.
+    #[inline]
+    pub(crate) fn blend(&self, t0: Vec3, t1: Vec3) -> Vec3 {
+        let [w0, w1] = match self.weights(t0, t1) {
+            Some(weights) => weights,
+            None => return weighted(self.coefficients[0], t0, self.coefficients[1], t1),
+        };
+        w0 * t0 + w1 * t1
+    }
+
+    /// [`blend`](Self::blend) of `(t0, t1)` and of `(t1, t0)`.
+    #[inline]
+    pub(crate) fn both(&self, t0: Vec3, t1: Vec3) -> [Vec3; 2] {
+        match self.weights(t0, t1) {
+            Some([w0, w1]) => [w0 * t0 + w1 * t1, w0 * t1 + w1 * t0],
+            None => {
+                let [c0, c1] = self.coefficients;
+                [weighted(c0, t0, c1, t1), weighted(c0, t1, c1, t0)]
+            }
+        }
+    }
+
+    #[inline]
+    fn weights(&self, t0: Vec3, t1: Vec3) -> Option<[f64; 2]> {
+        let apart = t1 - t0;
+        let y = 0.25 * apart.dot(apart);
+        (y <= LARGEST).then(|| {
+            let mut weights = [self.series[0][TERMS - 1], self.series[1][TERMS - 1]];
+            for k in (0..TERMS - 1).rev() {
+                weights[0] = weights[0] * y + self.series[0][k];
+                weights[1] = weights[1] * y + self.series[1][k];
+            }
+            weights
+        })
+    }
+}
+
+fn series(u: f64) -> [f64; TERMS] {
+    let mut coefficients = [u; TERMS];
+    for k in 0..TERMS - 1 {
+        let n = k as f64;
+        let ratio = (1.0 + u + n) * (1.0 - u + n) / ((1.5 + n) * (1.0 + n));
+        coefficients[k + 1] = coefficients[k] * ratio;
+    }
+    coefficients
+}
