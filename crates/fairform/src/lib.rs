@@ -41,6 +41,7 @@ pub mod shapes;
 pub mod solve;
 pub mod sphere;
 pub mod stencil;
+pub mod streamline;
 pub mod tension;
 pub mod topology;
 pub mod vec3;

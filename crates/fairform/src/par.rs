@@ -110,6 +110,22 @@ pub(crate) fn in_parts<P: Send>(parts: Vec<P>, f: impl Fn(P) + Sync + Send) {
     }
 }
 
+/// [`in_parts`], with the answers in order.
+pub(crate) fn map_parts<P: Send, R: Send>(
+    parts: Vec<P>,
+    f: impl Fn(P) -> R + Sync + Send,
+) -> Vec<R> {
+    #[cfg(feature = "parallel")]
+    {
+        use rayon::prelude::*;
+        parts.into_par_iter().with_max_len(1).map(f).collect()
+    }
+    #[cfg(not(feature = "parallel"))]
+    {
+        parts.into_iter().map(f).collect()
+    }
+}
+
 /// Fills rows of varying length that lie one behind the other: `f(i, row_i_of_a, row_i_of_b)`, where
 /// row `i` is `start[i]..start[i + 1]`.
 pub(crate) fn fill_rows<T: Send, U: Send>(

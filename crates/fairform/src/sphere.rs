@@ -27,15 +27,13 @@ mod mesh;
 mod qi;
 mod step;
 
-pub use blend::{angle, blend, midpoint, weighted};
+pub use blend::{angle, blend, carry, midpoint, weighted};
 pub use combine::combine;
 pub use error::Error;
 pub use mean::{exp, log, mean, weighted_mean};
 pub use mesh::{MeshOptions, refine_parameters, refine_tangents};
 pub use qi::{Knots, QiCurve};
 pub use step::{Ends, Rule, Step, Terms};
-
-pub(crate) use blend::{Extrapolation, turn};
 
 /// How far from one the length of a given direction may be. Files round.
 pub const UNIT_TOLERANCE: f64 = 1e-6;

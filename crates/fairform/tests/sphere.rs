@@ -115,8 +115,7 @@ fn tangents_on_meshes_are_the_reference_values() {
         };
         let mut parameters = pairs(&fixture["params"]);
         for _ in 0..fixture["levels"].as_u64().unwrap() {
-            let (refined, finer) =
-                sphere::refine_tangents(&topology, &tangents, &options).unwrap();
+            let (refined, finer) = sphere::refine_tangents(&topology, &tangents, &options).unwrap();
             if !parameters.is_empty() {
                 parameters = sphere::refine_parameters(&refined, &parameters);
             }

@@ -56,7 +56,7 @@ fn general(c0: f64, t0: Vec3, c1: f64, t1: Vec3) -> Vec3 {
 }
 
 /// `t0`, turned by `u` times the angle to `t1`.
-pub(crate) fn turn(t0: Vec3, t1: Vec3, u: f64) -> Vec3 {
+fn turn(t0: Vec3, t1: Vec3, u: f64) -> Vec3 {
     let (axis, theta) = axis_angle(t0, t1);
     if theta == 0.0 {
         return t0;
@@ -64,8 +64,20 @@ pub(crate) fn turn(t0: Vec3, t1: Vec3, u: f64) -> Vec3 {
     (libm::cos(u * theta) * t0 + libm::sin(u * theta) * axis.cross(t0)).normalized()
 }
 
+/// What becomes of `t` under the smallest rotation that takes `from` to `to`.
+#[must_use]
+pub fn carry(from: Vec3, to: Vec3, t: Vec3) -> Vec3 {
+    let (axis, theta) = axis_angle(from, to);
+    if theta == 0.0 {
+        return t;
+    }
+    let (sine, cosine) = (libm::sin(theta), libm::cos(theta));
+    let turned = cosine * t + sine * axis.cross(t) + (1.0 - cosine) * axis.dot(t) * axis;
+    turned.normalized()
+}
+
 /// Unit axis and angle in $`[0, \pi]`$ of the rotation along the great circle from `t0` to `t1`.
-pub(crate) fn axis_angle(t0: Vec3, t1: Vec3) -> (Vec3, f64) {
+pub(super) fn axis_angle(t0: Vec3, t1: Vec3) -> (Vec3, f64) {
     let (across, cosine) = (t0.cross(t1), t0.dot(t1));
     let sine = across.length();
     if sine > PARALLEL {
@@ -134,19 +146,19 @@ const LARGEST: f64 = 0.03;
 /// \frac{\sin u\theta}{\sin\theta} = u\;{}_2F_1\bigl(1+u,\,1-u;\,\tfrac32;\,\sin^2\tfrac\theta2\bigr).
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Extrapolation {
+pub(super) struct Extrapolation {
     coefficients: [f64; 2],
     series: [[f64; TERMS]; 2],
 }
 
 impl Extrapolation {
-    pub(crate) fn new(c0: f64, c1: f64) -> Self {
+    pub(super) fn new(c0: f64, c1: f64) -> Self {
         Self { coefficients: [c0, c1], series: [series(c0), series(c1)] }
     }
 
     /// $`c_0\,t_0 \oplus c_1\,t_1`$.
     #[inline]
-    pub(crate) fn blend(&self, t0: Vec3, t1: Vec3) -> Vec3 {
+    pub(super) fn blend(&self, t0: Vec3, t1: Vec3) -> Vec3 {
         let [w0, w1] = match self.weights(t0, t1) {
             Some(weights) => weights,
             None => return weighted(self.coefficients[0], t0, self.coefficients[1], t1),
@@ -156,7 +168,7 @@ impl Extrapolation {
 
     /// [`blend`](Self::blend) of `(t0, t1)` and of `(t1, t0)`.
     #[inline]
-    pub(crate) fn both(&self, t0: Vec3, t1: Vec3) -> [Vec3; 2] {
+    pub(super) fn both(&self, t0: Vec3, t1: Vec3) -> [Vec3; 2] {
         match self.weights(t0, t1) {
             Some([w0, w1]) => [w0 * t0 + w1 * t1, w0 * t1 + w1 * t0],
             None => {

@@ -35,11 +35,7 @@ struct Part {
 }
 
 /// Combines terms whose coefficients are to be divided by their sum `of`.
-fn halves(
-    term: &dyn Fn(usize) -> (f64, Vec3),
-    part: Part,
-    of: f64,
-) -> Result<Vec3, Error> {
+fn halves(term: &dyn Fn(usize) -> (f64, Vec3), part: Part, of: f64) -> Result<Vec3, Error> {
     let count = part.end - part.start;
     match count {
         1 => return Ok(term(part.start).1),

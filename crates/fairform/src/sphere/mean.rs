@@ -54,11 +54,7 @@ fn fixed_point(count: usize, term: impl Fn(usize) -> (f64, Vec3)) -> Option<Vec3
     let terms = || (0..count).map(&term);
     let first = terms().next()?.1;
     let sum: Vec3 = terms().map(|(c, t)| c * t).sum();
-    let mut m = if sum.length() > 1e-12 {
-        sum.normalized()
-    } else {
-        conventional_axis(first)
-    };
+    let mut m = if sum.length() > 1e-12 { sum.normalized() } else { conventional_axis(first) };
     for _ in 0..MOST {
         let step: Vec3 = terms().map(|(c, t)| c * log(m, t)).sum();
         m = exp(m, step);

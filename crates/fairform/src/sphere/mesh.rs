@@ -215,7 +215,8 @@ impl Kobbelt<'_> {
         }
         let fan: Vec<HalfedgeId> = t.fan(p).collect();
         let n = fan.len();
-        let place = fan.iter().position(|&g| g == h).expect("a half-edge is in the fan of its origin");
+        let place =
+            fan.iter().position(|&g| g == h).expect("a half-edge is in the fan of its origin");
         let neighbour = |j: usize| self.around.at(t.target(fan[j % n]));
         if n == 4 {
             return neighbour(place + 2);
