@@ -39,10 +39,11 @@ pub struct QiCurve {
 }
 
 impl QiCurve {
-    /// The curve of some order (degree plus one) on control tangents.
+    /// The curve of some order (degree plus one) on control tangents, of which only the directions
+    /// count.
     ///
     /// # Errors
-    /// [`Error::TooFew`] for no tangents, [`Error::NotUnit`] for one that is not of length one,
+    /// [`Error::TooFew`] for no tangents, [`Error::NotUnit`] for one that is zero or not finite,
     /// [`Error::BadNumber`] for an order below 1 or above the number of tangents.
     pub fn new(tangents: &[Vec3], order: usize, knots: Knots) -> Result<Self, Error> {
         let count = tangents.len();
@@ -56,7 +57,7 @@ impl QiCurve {
                 value: order as f64,
             });
         }
-        let mut tangents = tangents.to_vec();
+        let mut tangents: Vec<Vec3> = tangents.iter().map(|t| t.normalized()).collect();
         unit(&mut tangents)?;
         let turns = tangents.windows(2).map(|pair| axis_angle(pair[0], pair[1])).collect();
         let n = count - 1;
