@@ -30,18 +30,24 @@ use crate::Vec3;
 use crate::scheme::{Scheme, kobbelt};
 use crate::sphere::{self, Blend, Ends, Rule};
 
+mod bspline;
 mod curvature;
 mod error;
 mod grid;
 mod initial;
 mod integrate;
+mod stitch;
 mod surface;
+mod swap;
 
+pub use bspline::BsplineSurface;
 pub use curvature::{Curvature, curvature};
 pub use error::{Error, Warning};
 pub use grid::{Grid, Rect};
 pub use initial::{InitialCurve, LengthFunction};
+pub use stitch::{Seam, join, seam, stitch};
 pub use surface::{Changed, Surface};
+pub use swap::swap;
 
 /// Most points that a refined model may have: memory for more is not what was meant.
 pub const MAX_POINTS: u64 = 1 << 26;

@@ -107,6 +107,21 @@ pub enum Error {
         /// The depth asked for.
         depth: u32,
     },
+    /// A scheme whose refined border is not the border of the model.
+    #[error(
+        "scheme: {scheme} with natural ends does not keep the streamlines at the border; patches \
+         are stitched with clamped ends or Kobbelt's scheme"
+    )]
+    NotKept {
+        /// Its name.
+        scheme: &'static str,
+    },
+    /// A B-spline surface that does not come near enough.
+    #[error("tolerance: not reached; the nearest B-spline surface deviates by {best:e}")]
+    Tolerance {
+        /// What was reached.
+        best: f64,
+    },
     /// Tangents that cannot be refined.
     #[error("{field}: {error}")]
     Sphere {

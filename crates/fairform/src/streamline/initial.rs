@@ -291,6 +291,32 @@ impl Bspline {
         Self { degree, knots }
     }
 
+    pub(super) fn into_knots(self) -> Vec<f64> {
+        self.knots
+    }
+
+    /// The first cubic basis function that does not vanish at a fraction of the range, and the values
+    /// of it and the next three.
+    pub(super) fn basis(&self, fraction: f64) -> (usize, [f64; 4]) {
+        debug_assert_eq!(self.degree, 3, "a cubic");
+        let count = self.knots.len() - 4;
+        let (from, to) = (self.knots[3], self.knots[count]);
+        let u = from + fraction.clamp(0.0, 1.0) * (to - from);
+        let span = 3 + self.knots[3..count].partition_point(|&k| k <= u).saturating_sub(1);
+        let mut basis = [1.0, 0.0, 0.0, 0.0];
+        for degree in 1..=3 {
+            let mut carried = 0.0;
+            for r in 0..degree {
+                let (right, left) = (self.knots[span + r + 1], self.knots[span + 1 + r - degree]);
+                let share = basis[r] / (right - left);
+                basis[r] = carried + (right - u) * share;
+                carried = (u - left) * share;
+            }
+            basis[degree] = carried;
+        }
+        (span - 3, basis)
+    }
+
     /// The point at a fraction of the range; beyond, the end.
     pub(super) fn at(&self, points: &[Vec3], weights: Option<&[f64]>, fraction: f64) -> Vec3 {
         let (p, count) = (self.degree, points.len());

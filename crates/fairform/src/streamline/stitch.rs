@@ -1,0 +1,181 @@
+//! Several patches along shared streamlines.
+
+use alloc::vec::Vec;
+
+use crate::scheme::Scheme;
+use crate::sphere::{self, Ends, exp, log};
+use crate::{Faces, Mesh, Vec3};
+
+use super::surface::grid_faces;
+use super::{Error, InitialCurve, Model, Surface};
+
+/// How well two patches agree along the last streamline of the one and the first of the other.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Seam {
+    /// Largest distance of points that should be the same.
+    pub gap: f64,
+    /// Largest angle between tangents that should be the same.
+    pub tangent_angle: f64,
+    /// Largest angle between the planes spanned on both sides by the streamline and the way across,
+    /// both refined; it falls with the depth where the patches join smoothly.
+    pub plane_angle: f64,
+}
+
+/// Changes `second` so that its first streamline is the last one of `first`: tangents, parameters,
+/// rules and the place of the initial curve are taken over, and the initial curve is moved to where
+/// the other one ends. If `smooth`, the second streamline of `second` is set so that tangents and
+/// parameters go on across the seam as they end in `first`; then the planes agree as well, if the
+/// initial curves do: exactly for clamped ends, and for Kobbelt's scheme to third order in the turn
+/// between streamlines.
+///
+/// # Errors
+/// [`Error::NotKept`] if the scheme does not keep the streamlines at the border;
+/// [`Error::WrongCount`] if the rows differ in length or there are fewer than two;
+/// [`Error::NotIncreasing`] if the parameters that go on do not increase. `second` is unchanged then.
+pub fn stitch(first: &Model, second: &mut Model, smooth: bool) -> Result<(), Error> {
+    if first.scheme != Scheme::Kobbelt && first.ends != Ends::Clamped {
+        return Err(Error::NotKept { scheme: first.scheme.name() });
+    }
+    let columns = first.tangents.column_count();
+    let (last, rows) = (first.tangents.row_count(), second.tangents.row_count());
+    let counts = [
+        ("tangents", "columns, as in the other patch", columns, second.tangents.column_count()),
+        ("s", "columns, as in the other patch", columns, second.s.column_count()),
+    ];
+    for (field, what, expected, count) in counts {
+        if expected != count {
+            return Err(Error::WrongCount { field, what, expected, count });
+        }
+    }
+    if let Some(&count) = [last, rows].iter().find(|&&count| count < 2) {
+        let (field, what) = ("tangents", "rows, for a patch with two sides");
+        return Err(Error::WrongCount { field, what, expected: 2, count });
+    }
+    let last = last - 1;
+    let mut stitched = Model {
+        start: first.start,
+        scheme: first.scheme,
+        order: first.order,
+        ends: first.ends,
+        w: first.w,
+        blend: first.blend,
+        integration: first.integration,
+        depth: first.depth,
+        ..second.clone()
+    };
+    stitched.tangents.row_mut(0).copy_from_slice(first.tangents.row(last));
+    stitched.s.row_mut(0).copy_from_slice(first.s.row(last));
+    if smooth {
+        go_on(first, &mut stitched)?;
+    }
+    let end = first.initial.points(&[first.t[last]])?[0];
+    let begin = second.initial.points(&[second.t[0]])?[0];
+    stitched.initial.shift(end - begin);
+    *second = stitched;
+    Ok(())
+}
+
+/// Sets the second streamline so that derivatives across the seam are those of the other patch.
+///
+/// The derivative at the end of a refined sequence is, from its elements $`a_1, a_2`$ less $`a_0`$,
+/// $`(a_1 - \tfrac w8 a_2) / (1 - \tfrac w4)`$ for the four-point rule, whose reflection makes an odd
+/// sequence, and $`a_1`$ for clamped B-splines, as if $`w = 0`$.
+fn go_on(first: &Model, second: &mut Model) -> Result<(), Error> {
+    let last = first.t.len() - 1;
+    // Near 4 the rule has no derivative to speak of.
+    let third =
+        first.scheme == Scheme::Kobbelt && last.min(second.t.len() - 1) >= 2 && first.w < 3.5;
+    let w = if third { first.w } else { 0.0 };
+    let (own, next) = (1.0 - 0.25 * w, 0.125 * w);
+    // Rows away from the seam; the next one but one counts nothing where it may not exist.
+    let far = if third { 2 } else { 1 };
+    let derivative = |away: &dyn Fn(usize) -> f64| (away(1) - next * away(far)) / own;
+    let before = derivative(&|k| first.t[last] - first.t[last - k]);
+    let after = derivative(&|k| second.t[k] - second.t[0]);
+    let ratio = -after / before;
+    for i in 0..first.tangents.column_count() {
+        let here = first.tangents[(last, i)];
+        let away = |k: usize| log(here, first.tangents[(last - k, i)]);
+        let derivative = (ratio / own) * (away(1) - next * away(far));
+        let onward = log(here, second.tangents[(far, i)]);
+        second.tangents[(1, i)] = exp(here, own * derivative + next * onward);
+        let here = first.s[(last, i)];
+        let away = |k: usize| first.s[(last - k, i)] - here;
+        let derivative = (ratio / own) * (away(1) - next * away(far));
+        second.s[(1, i)] = here + own * derivative + next * (second.s[(far, i)] - here);
+    }
+    super::increasing(second.s.row(1)).map_err(|column| Error::NotIncreasing {
+        level: 0,
+        row: 1,
+        column,
+    })
+}
+
+/// How well the last streamline of a surface and the first of another agree; `None` if they have
+/// different numbers of points.
+#[must_use]
+pub fn seam(first: &Surface, second: &Surface) -> Option<Seam> {
+    let rows = first.points().row_count();
+    let (a, b) = (first.points().row(rows - 1), second.points().row(0));
+    let (s, t) = (first.tangents().row(rows - 1), second.tangents().row(0));
+    if a.len() != b.len() || s.len() != t.len() {
+        return None;
+    }
+    let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+    let gap = largest(&mut a.iter().zip(b).map(|(a, b)| (*a - *b).length()));
+    let tangent_angle = largest(&mut s.iter().zip(t).map(|(s, t)| sphere::angle(*s, *t)));
+    let mut plane_angle = 0.0;
+    if rows > 1 && second.points().row_count() > 1 {
+        let (before, after) = (first.points().row(rows - 2), second.points().row(1));
+        for i in 0..a.len() {
+            let along = s[i.min(s.len() - 1)];
+            let normals = [a[i] - before[i], after[i] - b[i]].map(|d| along.cross(d).normalized());
+            // No plane where the streamline runs across.
+            if normals.iter().all(|n| *n != Vec3::ZERO) {
+                plane_angle = f64::max(plane_angle, sphere::angle(normals[0], normals[1]));
+            }
+        }
+    }
+    Some(Seam { gap, tangent_angle, plane_angle })
+}
+
+/// Surfaces as one mesh; where the last streamline of one and the first of the next agree to
+/// `tolerance`, their vertices are the same, those of the former. Also the first vertex of each
+/// surface in it, and the number of vertices in each of its rows.
+///
+/// # Errors
+/// As [`Surface::mesh`].
+pub fn join(surfaces: &[Surface], tolerance: f64) -> Result<Mesh, crate::Error> {
+    let (mut positions, mut faces) = (Vec::new(), Faces::new());
+    let mut previous: Option<(&Surface, u32)> = None;
+    for surface in surfaces {
+        let (rows, columns) = (surface.points().row_count(), surface.points().column_count());
+        let shared = previous
+            .filter(|(other, _)| seam(other, surface).is_some_and(|seam| seam.gap <= tolerance));
+        let first_own = if shared.is_some() { columns } else { 0 };
+        let first = positions.len() as u32;
+        positions.extend_from_slice(&surface.points().values()[first_own..]);
+        let number = |v: u32| match shared {
+            Some((_, last_row)) if (v as usize) < columns => last_row + v,
+            _ => first + v - first_own as u32,
+        };
+        for face in grid_faces(rows, columns).iter() {
+            let corners: Vec<u32> = face.iter().map(|&v| number(v)).collect();
+            faces.push(&corners);
+        }
+        previous = Some((surface, (positions.len() - columns) as u32));
+    }
+    Mesh::new(positions, &faces)
+}
+
+impl InitialCurve {
+    /// Moves the whole curve.
+    fn shift(&mut self, by: Vec3) {
+        match self {
+            Self::Polyline { points, .. } | Self::Bspline { points, .. } => {
+                points.iter_mut().for_each(|p| *p += by);
+            }
+            Self::Qi { start, .. } => *start += by,
+        }
+    }
+}
