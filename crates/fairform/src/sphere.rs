@@ -48,6 +48,11 @@ pub enum Blend {
     Mean,
 }
 
+/// Whether a length is one, as files have it; NaN is not.
+pub(crate) fn is_unit(length: f64) -> bool {
+    (length - 1.0).abs() <= UNIT_TOLERANCE
+}
+
 /// The directions scaled to length one to the last bit.
 ///
 /// # Errors
@@ -55,8 +60,7 @@ pub enum Blend {
 pub fn unit(tangents: &mut [Vec3]) -> Result<(), Error> {
     for (index, t) in tangents.iter_mut().enumerate() {
         let length = t.length();
-        // Also false for NaN.
-        if !((length - 1.0).abs() <= UNIT_TOLERANCE) {
+        if !is_unit(length) {
             return Err(Error::NotUnit { index, length });
         }
         if (length - 1.0).abs() > 1e-15 {

@@ -200,7 +200,7 @@ impl Model {
         for row in 0..rows {
             for (column, t) in self.tangents.row(row).iter().enumerate() {
                 let length = t.length();
-                if !((length - 1.0).abs() <= sphere::UNIT_TOLERANCE) {
+                if !sphere::is_unit(length) {
                     return Err(Error::NotUnit { row, column, length });
                 }
             }
@@ -256,5 +256,5 @@ fn increasing(list: &[f64]) -> Result<(), usize> {
 pub fn spaced(lengths: &[f64], columns: usize) -> Grid<f64> {
     let intervals = columns.saturating_sub(1).max(1) as f64;
     let row = |length: &f64| (0..columns).map(|i| length * i as f64 / intervals).collect();
-    Grid::from_rows(lengths.iter().map(row).collect::<Vec<Vec<f64>>>()).expect("rows of one length")
+    Grid::collected(lengths.iter().map(row).collect::<Vec<Vec<f64>>>())
 }

@@ -162,7 +162,7 @@ impl FixedBlend {
     }
 
     /// $`c_0\,t_0 \oplus c_1\,t_1`$ and $`c_1\,t_0 \oplus c_0\,t_1`$.
-    #[inline(always)]
+    #[inline]
     pub(super) fn both(&self, t0: Vec3, t1: Vec3) -> [Vec3; 2] {
         let y = quarter_square(t0, t1);
         let [w0, w1] = if y <= SMALL {
@@ -188,7 +188,7 @@ impl FixedBlend {
 }
 
 /// [`midpoint`] by the series for nearby directions.
-#[inline(always)]
+#[inline]
 pub(super) fn half(t0: Vec3, t1: Vec3) -> Vec3 {
     const HALF: [f64; TERMS] = series(0.5);
     let y = quarter_square(t0, t1);
@@ -199,13 +199,13 @@ pub(super) fn half(t0: Vec3, t1: Vec3) -> Vec3 {
 }
 
 /// $`\sin^2(\theta/2)`$.
-#[inline(always)]
+#[inline]
 fn quarter_square(t0: Vec3, t1: Vec3) -> f64 {
     let apart = t1 - t0;
     0.25 * apart.dot(apart)
 }
 
-#[inline(always)]
+#[inline]
 fn evaluate<const N: usize>(series: &[f64; TERMS], y: f64) -> f64 {
     let mut sum = series[N - 1];
     for k in (0..N - 1).rev() {

@@ -20,7 +20,8 @@ pub fn combine(coefficients: &[f64], tangents: &[Vec3]) -> Result<Vec3, Error> {
         return Err(Error::WrongCount { what, expected, count: coefficients.len() });
     }
     let sum: f64 = coefficients.iter().sum();
-    if !((sum - 1.0).abs() <= 1e-9) {
+    let is_one = (sum - 1.0).abs() <= 1e-9;
+    if !is_one {
         let (what, expected) = ("the sum of the coefficients", "1");
         return Err(Error::BadNumber { what, expected, value: sum });
     }

@@ -124,7 +124,7 @@ impl Around<'_> {
         let (mut weights, mut tangents) = (Vec::new(), Vec::new());
         for step in 0..=2 * reach {
             let distance = reach.abs_diff(step);
-            let shared = count % 2 == 0 && distance == reach;
+            let shared = count.is_multiple_of(2) && distance == reach;
             let weight = image_weight(count, distance);
             weights.push(if shared { 0.5 * weight } else { weight });
             tangents.push(self.at(t.origin(at)));

@@ -108,10 +108,10 @@ impl QiCurve {
         basis.push(1.0);
         for degree in 1..self.order {
             let mut carried = 0.0;
-            for r in 0..degree {
+            for (r, b) in basis.iter_mut().enumerate() {
                 let (right, left) = (self.knots[span + r + 1], self.knots[span + 1 + r - degree]);
-                let share = basis[r] / (right - left);
-                basis[r] = carried + (right - u) * share;
+                let share = *b / (right - left);
+                *b = carried + (right - u) * share;
                 carried = (u - left) * share;
             }
             basis.push(carried);

@@ -164,22 +164,22 @@ impl Step {
     #[must_use]
     pub fn terms(&self, j: usize) -> Terms {
         assert!(j < self.refined_count(), "there is no new element {j}");
-        if self.ends == Ends::Clamped {
-            if let Some(terms) = self.clamped(j) {
-                return terms;
-            }
+        if self.ends == Ends::Clamped
+            && let Some(terms) = self.clamped(j)
+        {
+            return terms;
         }
         match self.rule {
             Rule::Chaikin => {
                 let [a, b] = self.leg(j / 2);
-                let [near, far] = if j % 2 == 0 { [0.75, 0.25] } else { [0.25, 0.75] };
+                let [near, far] = if j.is_multiple_of(2) { [0.75, 0.25] } else { [0.25, 0.75] };
                 Terms::new(&[(a, near), (b, far)])
             }
             // Open: edge, vertex, …, edge; closed: vertex, edge, …
             Rule::Cubic => {
                 let place = if self.ends == Ends::Closed { j } else { j + 1 };
                 let i = place / 2;
-                if place % 2 == 1 {
+                if !place.is_multiple_of(2) {
                     let [a, b] = self.leg(i);
                     return Terms::new(&[(a, 0.5), (b, 0.5)]);
                 }
@@ -191,7 +191,7 @@ impl Step {
 
     fn four_point(&self, j: usize, w: f64) -> Terms {
         let i = j / 2;
-        if j % 2 == 0 {
+        if j.is_multiple_of(2) {
             return Terms::new(&[(i, 1.0)]);
         }
         let [a, b] = self.leg(i);
@@ -228,7 +228,6 @@ impl Step {
             (Rule::FourPoint { .. }, _) => None,
             (_, 0) => mirrored(&[(0, 1.0)], back),
             (_, 1) => mirrored(&[(0, half[0]), (1, half[1])], back),
-            (Rule::Chaikin, _) => None,
             (Rule::Cubic, 2) if self.count == 4 => mirrored(&[(1, half[0]), (2, half[1])], back),
             (Rule::Cubic, 2) => mirrored(&[(1, 0.75), (2, 0.25)], back),
             (Rule::Cubic, 3) if self.count == 5 => {
@@ -237,7 +236,7 @@ impl Step {
             (Rule::Cubic, 3) => {
                 mirrored(&[(1, 3.0 / 16.0), (2, 11.0 / 16.0), (3, 2.0 / 16.0)], back)
             }
-            (Rule::Cubic, _) => None,
+            (Rule::Chaikin | Rule::Cubic, _) => None,
         }
     }
 
@@ -257,12 +256,12 @@ impl Step {
     /// all of them.
     #[must_use]
     pub fn affected(&self, changed: Range<usize>) -> Range<usize> {
+        // No row lies farther from twice its sources than this.
+        const REACH: usize = 5;
         if changed.is_empty() {
             return 0..0;
         }
         let all = self.refined_count();
-        // No row lies farther from twice its sources than this.
-        const REACH: usize = 5;
         let first = (2 * changed.start).saturating_sub(REACH);
         let end = (2 * changed.end + REACH).min(all);
         let depends = |j: &usize| self.terms(*j).sources().iter().any(|i| changed.contains(i));
@@ -319,7 +318,7 @@ impl Step {
             put(j, self.direction(j, blend, &get));
         }
         match self.rule {
-            Rule::Chaikin => self.chaikin(&get, regular, &mut put),
+            Rule::Chaikin => chaikin(&get, regular, &mut put),
             Rule::Cubic => self.cubic(&get, regular, &mut put),
             Rule::FourPoint { .. } => self.four_points(&get, regular, &mut put),
         }
@@ -362,31 +361,6 @@ impl Step {
         start..range.end.min(all.saturating_sub(margin)).max(start)
     }
 
-    fn chaikin(
-        &self,
-        get: &impl Fn(usize) -> Vec3,
-        range: Range<usize>,
-        put: &mut impl FnMut(usize, Vec3),
-    ) {
-        if range.is_empty() {
-            return;
-        }
-        let (first, last) = (range.start / 2, (range.end - 1) / 2);
-        let mut from = get(first);
-        for i in first..=last {
-            let to = get(i + 1);
-            let [near, far] = QUARTER.both(from, to);
-            // Both are wanted but for the first and the last leg.
-            if i > first || 2 * i == range.start {
-                put(2 * i, near);
-            }
-            if i < last || 2 * i + 2 == range.end {
-                put(2 * i + 1, far);
-            }
-            from = to;
-        }
-    }
-
     /// A new vertex lies between the quarter points of the legs at it.
     fn cubic(
         &self,
@@ -401,7 +375,7 @@ impl Step {
             return;
         }
         let (first, last) = (places.start / 2, (places.end - 1) / 2);
-        let begins_with_vertex = places.start % 2 == 0;
+        let begins_with_vertex = places.start.is_multiple_of(2);
         let mut from = get(first);
         let mut before = from;
         if begins_with_vertex {
@@ -452,5 +426,26 @@ impl Step {
             (onward, ahead) = (ahead, beyond);
             (vertex, next) = (next, after);
         }
+    }
+}
+
+/// Both quarter points of each leg.
+fn chaikin(get: &impl Fn(usize) -> Vec3, range: Range<usize>, put: &mut impl FnMut(usize, Vec3)) {
+    if range.is_empty() {
+        return;
+    }
+    let (first, last) = (range.start / 2, (range.end - 1) / 2);
+    let mut from = get(first);
+    for i in first..=last {
+        let to = get(i + 1);
+        let [near, far] = QUARTER.both(from, to);
+        // Both are wanted but for the first and the last leg.
+        if i > first || 2 * i == range.start {
+            put(2 * i, near);
+        }
+        if i < last || 2 * i + 2 == range.end {
+            put(2 * i + 1, far);
+        }
+        from = to;
     }
 }

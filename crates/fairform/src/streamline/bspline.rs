@@ -117,9 +117,9 @@ impl Samples {
         let along = Fit::new(&self.u, along);
         let across = Fit::new(&self.v, across);
         let rows: Vec<Vec<Vec3>> = self.points.rows().map(|row| along.solve(row)).collect();
-        let half = Grid::from_rows(rows).expect("rows of one length").transposed();
+        let half = Grid::collected(rows).transposed();
         let columns: Vec<Vec<Vec3>> = half.rows().map(|column| across.solve(column)).collect();
-        let points = Grid::from_rows(columns).expect("rows of one length").transposed();
+        let points = Grid::collected(columns).transposed();
         let mut fit = BsplineSurface { points, deviation: 0.0 };
         fit.deviation = self.deviation(&fit, &along, &across);
         fit
@@ -127,7 +127,7 @@ impl Samples {
 
     fn deviation(&self, fit: &BsplineSurface, along: &Fit, across: &Fit) -> f64 {
         let rows: Vec<Vec<Vec3>> = fit.points.rows().map(|row| along.values(row)).collect();
-        let half = Grid::from_rows(rows).expect("rows of one length");
+        let half = Grid::collected(rows);
         let errors = par::collect(self.v.len(), |k| {
             let (first, weights) = &across.rows[k];
             let at = |i: usize| -> Vec3 {

@@ -49,9 +49,9 @@ pub fn curvature(surface: &Surface) -> Curvature {
             size * (towards - towards.dot(between) * between).normalized()
         })
     });
-    let vector = Grid::from_rows(vectors).expect("rows of one length");
+    let vector = Grid::collected(vectors);
     let middles = rows().map(|(_, s)| s.windows(2).map(|s| 0.5 * (s[0] + s[1])));
-    let s = Grid::from_rows(middles).expect("rows of one length");
+    let s = Grid::collected(middles);
     let mut variation = Grid::filled(vector.row_count(), vector.column_count(), 0.0);
     let count = vector.column_count();
     for row in (0..vector.row_count()).filter(|_| count > 1) {

@@ -26,6 +26,11 @@ impl<T> Grid<T> {
         Some(Self { column_count: column_count.unwrap_or(0), values })
     }
 
+    /// The grid with these rows, which are known to be of one length.
+    pub(super) fn collected<R: IntoIterator<Item = T>>(rows: impl IntoIterator<Item = R>) -> Self {
+        Self::from_rows(rows).expect("rows of one length")
+    }
+
     /// The grid with `column_count` values in each row; `None` if the last row is not full.
     #[must_use]
     pub fn from_values(column_count: usize, values: Vec<T>) -> Option<Self> {
@@ -78,6 +83,7 @@ impl<T> Grid<T> {
     }
 
     /// All rows.
+    #[must_use]
     pub fn rows(&self) -> impl ExactSizeIterator<Item = &[T]> + '_ {
         (0..self.row_count()).map(|row| self.row(row))
     }
@@ -86,6 +92,7 @@ impl<T> Grid<T> {
     ///
     /// # Panics
     /// If there is no such column.
+    #[must_use]
     pub fn column(&self, column: usize) -> impl ExactSizeIterator<Item = &T> + '_ {
         assert!(column < self.column_count, "there is no column {column}");
         (0..self.row_count()).map(move |row| &self.values[row * self.column_count + column])

@@ -306,10 +306,10 @@ impl Bspline {
         let mut basis = [1.0, 0.0, 0.0, 0.0];
         for degree in 1..=3 {
             let mut carried = 0.0;
-            for r in 0..degree {
+            for (r, b) in basis[..degree].iter_mut().enumerate() {
                 let (right, left) = (self.knots[span + r + 1], self.knots[span + 1 + r - degree]);
-                let share = basis[r] / (right - left);
-                basis[r] = carried + (right - u) * share;
+                let share = *b / (right - left);
+                *b = carried + (right - u) * share;
                 carried = (u - left) * share;
             }
             basis[degree] = carried;

@@ -55,7 +55,8 @@ impl Surface {
     /// order of very uneven parameters; [`Error::BadDetail`].
     pub fn new(mut model: Model) -> Result<Self, Error> {
         model.check()?;
-        sphere::unit(model.tangents.values_mut()).expect("checked");
+        sphere::unit(model.tangents.values_mut())
+            .map_err(|error| Error::Sphere { field: "tangents", error })?;
         let steps = steps(&model)?;
         let mut levels = alloc::vec![Level {
             tangents: model.tangents.clone(),
@@ -189,7 +190,7 @@ impl Surface {
                 return Err(Error::NoSuchPlace { level, row, column });
             }
             let length = tangent.length();
-            if !((length - 1.0).abs() <= sphere::UNIT_TOLERANCE) {
+            if !sphere::is_unit(length) {
                 return Err(Error::NotUnit { row, column, length });
             }
             rect = rect.union(&Rect::single(row, column));
@@ -210,7 +211,7 @@ impl Surface {
                 None => self.model.details.push(detail),
             }
         }
-        Ok(self.update(level, rect))
+        Ok(self.update(level, &rect))
     }
 
     /// Takes back what was set at a level above 0.
@@ -228,7 +229,7 @@ impl Surface {
         let index = index.ok_or(Error::NoSuchPlace { level, row, column })?;
         self.model.details.remove(index);
         self.levels[level as usize].tangents[(row, column)] = self.predicted(level, row, column);
-        Ok(self.update(level, Rect::single(row, column)))
+        Ok(self.update(level, &Rect::single(row, column)))
     }
 
     /// What refinement alone gives at a place of a level above 0.
@@ -268,8 +269,8 @@ impl Surface {
     }
 
     /// Carries a change of a rectangle of a level to the finest grids.
-    fn update(&mut self, level: u32, rect: Rect) -> Changed {
-        let tangents = self.refine(level, &rect);
+    fn update(&mut self, level: u32, rect: &Rect) -> Changed {
+        let tangents = self.refine(level, rect);
         let points = self.integrate(tangents.rows.clone());
         Changed { tangents, points }
     }
@@ -404,7 +405,7 @@ impl Surface {
                 }
             }
         };
-        Grid::from_rows(rows.map(of_row)).expect("rows of one length")
+        Grid::collected(rows.map(of_row))
     }
 }
 
@@ -493,7 +494,7 @@ fn row_parts<T>(block: &mut [T], columns: usize, first: usize) -> Vec<(usize, &m
 
 fn refined_numbers(coarse: &Grid<f64>, along: &Step, across: &Step) -> Grid<f64> {
     let half = coarse.rows().map(|row| along.numbers(row));
-    let half = Grid::from_rows(half).expect("rows of one length");
+    let half = Grid::collected(half);
     let columns = half.column_count();
     let mut fine = Grid::filled(across.refined_count(), columns, 0.0);
     for row in 0..fine.row_count() {

@@ -58,10 +58,9 @@ pub fn swap(surface: &Surface, rows: usize, columns: usize) -> Result<Model, Err
         points: points.row(0).to_vec(),
         t: (0..points.column_count()).map(mean).collect(),
     };
-    let grid = "rows of one length";
     Ok(Model {
-        tangents: Grid::from_rows(tangents).expect(grid),
-        s: Grid::from_rows(s).expect(grid),
+        tangents: Grid::collected(tangents),
+        s: Grid::collected(s),
         t,
         initial,
         start: Start::Min,
