@@ -206,7 +206,7 @@ fn integration_is_of_second_order() {
         let h = s / f64::from(n);
         let at = |i: f64| tangent(i * h);
         (0..n)
-            .map(|i| f64::from(i))
+            .map(f64::from)
             .fold(Vec3::ZERO, |p, i| p + (h / 6.0) * (at(i) + 4.0 * at(i + 0.5) + at(i + 1.0)))
     };
     let end = exact(1.5);
