@@ -14,11 +14,11 @@ use crate::limit::operator::{RingOperator, RowOperator};
 use crate::limit::{self, LimitRows, limit_points};
 use crate::mesh::Bounds;
 use crate::refine::DooSabinRows;
+use crate::rows::Rows as _;
 use crate::rules::BoundaryKinds;
 use crate::scheme::loop_scheme::{BoundaryKind, boundary_scale};
 use crate::scheme::{Border, Rules, Scheme, catmull_clark, doo_sabin, loop_scheme};
 use crate::solve::{Interval, LinearOperator, Outcome, Report, Step, Stop};
-use crate::rows::Rows as _;
 use crate::{Mesh, Topology, Vec3, order, par, rows, solve};
 
 #[cfg(not(feature = "direct"))]

@@ -40,7 +40,8 @@ pub fn singular_components(topology: &Topology, rules: &Rules) -> Vec<VertexId> 
 /// iteration converges for every target, though control points may exist: with the vertices of a closed
 /// part coloured ±1 as for [`singular_components`], its quadratic form is $`\sum n(n-3)`$, and each
 /// vertex with two faces takes 2 from that.
-pub(crate) fn is_not_definite(topology: &Topology, rules: &Rules) -> bool {
+#[must_use]
+pub fn is_not_definite(topology: &Topology, rules: &Rules) -> bool {
     plain_components(topology, rules).iter().any(|&(_, [minus, plus])| minus >= plus)
 }
 

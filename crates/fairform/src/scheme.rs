@@ -238,7 +238,8 @@ impl Rules {
 
     /// Whether a vertex has control points but no surface.
     pub(crate) fn is_support(&self, topology: &Topology, v: VertexId) -> bool {
-        let is_sharp = |h| self.creases.as_ref().is_some_and(|c| c.edge(topology.edge(h)) >= INFINITE);
+        let is_sharp =
+            |h| self.creases.as_ref().is_some_and(|c| c.edge(topology.edge(h)) >= INFINITE);
         self.border == Border::None
             && topology.is_boundary(v)
             && !topology.fan(v).all(|h| {

@@ -69,8 +69,9 @@ pub fn limit_corner_normals(
     rules: &Rules,
 ) -> Result<Vec<Vec3>, Error> {
     let mean = limit_normals(topology, points, rules)?;
-    let mut normals =
-        par::collect(topology.halfedge_count(), |h| mean[topology.origin(HalfedgeId(h as u32)).index()]);
+    let mut normals = par::collect(topology.halfedge_count(), |h| {
+        mean[topology.origin(HalfedgeId(h as u32)).index()]
+    });
     if rules.creases.is_none() {
         return Ok(normals);
     }
