@@ -258,6 +258,7 @@ pub(crate) struct Repair {
 }
 
 /// Draw meshes side by side, without a window.
+#[expect(clippy::struct_excessive_bools, reason = "one switch per option")]
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  \
     fairform render surface.ply -o surface.png\n  \

@@ -35,16 +35,16 @@ pub(crate) fn choose(
     let list = list_of(scheme, options, surface, &mut notes)?;
     let said = list.as_ref().and_then(|list| list.boundary);
     rules.corners = match (options.corners, said) {
-        (Some(CornerChoice::Sharp), _) => Corners::Sharp,
-        (Some(CornerChoice::Smooth), _) => Corners::Smooth,
-        (None, Some(InterpolateBoundary::EdgeAndCorner)) => Corners::Sharp,
-        (None, Some(_)) => Corners::Smooth,
+        (Some(CornerChoice::Sharp), _) | (None, Some(InterpolateBoundary::EdgeAndCorner)) => {
+            Corners::Sharp
+        }
+        (Some(CornerChoice::Smooth), _) | (None, Some(_)) => Corners::Smooth,
         (None, None) => rules.corners,
     };
     rules.border = match (options.boundary, said) {
         (Some(BorderChoice::Drop), _) => Border::Drop,
         (Some(BorderChoice::None), _) | (None, Some(InterpolateBoundary::None)) => Border::None,
-        (Some(BorderChoice::Bspline), _) | (None, _) => Border::Bspline,
+        (Some(BorderChoice::Bspline) | None, _) => Border::Bspline,
     };
     if let Some(w) = options.w {
         rules.kobbelt_weight = w;
@@ -72,7 +72,7 @@ pub(crate) fn choose(
                 format!("note: {faces} of {all} faces are support: the surface ends before them")
             }
         });
-        surface.has_surface = Some(has_surface.into());
+        surface.shown = Some(has_surface.into());
     }
     surface.rules = rules;
     Ok(notes)

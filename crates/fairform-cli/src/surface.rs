@@ -34,8 +34,8 @@ pub(crate) struct Surface {
     material_library: Option<String>,
     /// What the file says of creases, by the numbers of the mesh as it was read.
     pub(crate) creases: Option<CreaseList>,
-    /// Whether there is a surface for each face of the mesh as it was read, if not for all.
-    pub(crate) has_surface: Option<Arc<[bool]>>,
+    /// Whether each face of the mesh as it was read has a surface, if not all have.
+    pub(crate) shown: Option<Arc<[bool]>>,
     /// The face of the mesh as it was read that each face is a part of.
     origin: Vec<u32>,
 }
@@ -71,7 +71,7 @@ impl Surface {
             materials: data.materials,
             material_library: data.material_library,
             creases: data.creases,
-            has_surface: None,
+            shown: None,
             origin: (0..data.faces.len() as u32).collect(),
         })
     }
@@ -225,7 +225,7 @@ impl Surface {
 
     /// Whether there is a surface for a face of the mesh as it was read.
     fn is_shown(&self, origin: u32) -> bool {
-        self.has_surface.as_ref().is_none_or(|has| has[origin as usize])
+        self.shown.as_ref().is_none_or(|has| has[origin as usize])
     }
 
     /// The mesh as a control mesh: with the support and the creases that make its surface.
@@ -254,15 +254,11 @@ impl Surface {
 
     /// The surface: without faces that only support it. Vertices keep their numbers.
     pub(crate) fn into_surface(self) -> MeshData {
-        let Some(has_surface) = self.has_surface.clone() else { return self.into_data() };
+        let Some(has_surface) = self.shown.clone() else { return self.into_data() };
         let shown: Vec<bool> = self.origin.iter().map(|&f| has_surface[f as usize]).collect();
         let data = self.into_data();
         let of_corner: Vec<bool> =
             data.faces.iter().zip(&shown).flat_map(|(f, &s)| f.iter().map(move |_| s)).collect();
-        fn keep<T>(values: Option<Vec<T>>, shown: &[bool]) -> Option<Vec<T>> {
-            let kept = values?.into_iter().zip(shown).filter(|v| *v.1);
-            Some(kept.map(|v| v.0).collect())
-        }
         let labels = |labels: Option<Labels>| {
             let Labels { names, of_face } = labels?;
             Some(Labels { names, of_face: keep(Some(of_face), &shown)? })
@@ -338,4 +334,10 @@ fn available_memory() -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(1024 * kilobytes)
+}
+
+/// Those values that are shown.
+fn keep<T>(values: Option<Vec<T>>, shown: &[bool]) -> Option<Vec<T>> {
+    let kept = values?.into_iter().zip(shown).filter(|v| *v.1);
+    Some(kept.map(|v| v.0).collect())
 }

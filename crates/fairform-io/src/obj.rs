@@ -289,14 +289,13 @@ impl<'a> Reader<'a> {
     fn tag(&mut self, at: usize) {
         let text = self.name();
         match self.creases.add_tag(&text, Place::File) {
-            Ok(None) => {}
             Ok(Some(other)) if self.other_tags.iter().any(|name| name == other) => {}
             Ok(Some(other)) => self.other_tags.push(other.into()),
             Err(error) if self.bad_tag.is_none() => {
                 self.bad_tag =
                     Some(ParseError { place: Place::Line(self.text.line_of(at)), ..error });
             }
-            Err(_) => {}
+            Ok(None) | Err(_) => {}
         }
     }
 
@@ -578,16 +577,12 @@ impl<'a> Reader<'a> {
         let per_vertex = one_per_vertex(vertices, corners, |corner| {
             bits(self.normals[self.corner_normal[corner] as usize])
         });
-        match per_vertex {
-            Some(normals) => {
-                let normal =
-                    |n: &Option<[u64; 3]>| n.unwrap_or_default().map(f64::from_bits).into();
-                self.data.normals = Some(normals.iter().map(normal).collect());
-            }
-            None => {
-                let of = |i: &u32| self.normals[*i as usize];
-                self.data.corner_normals = Some(self.corner_normal.iter().map(of).collect());
-            }
+        if let Some(normals) = per_vertex {
+            let normal = |n: &Option<[u64; 3]>| n.unwrap_or_default().map(f64::from_bits).into();
+            self.data.normals = Some(normals.iter().map(normal).collect());
+        } else {
+            let of = |i: &u32| self.normals[*i as usize];
+            self.data.corner_normals = Some(self.corner_normal.iter().map(of).collect());
         }
     }
 }

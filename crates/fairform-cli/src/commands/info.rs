@@ -120,8 +120,8 @@ impl Judgement {
             judgement.sharp_vertices =
                 topology.vertices().filter(|&v| creases.vertex(v) > 0.0).count();
         }
-        let has_surface = surface.has_surface.iter().flat_map(|has| has.iter());
-        judgement.support = has_surface.filter(|has| !**has).count();
+        let shown = surface.shown.iter().flat_map(|shown| shown.iter());
+        judgement.support = shown.filter(|shown| !**shown).count();
         Ok(judgement)
     }
 
