@@ -3,6 +3,7 @@
 use fairform::{FaceId, Faces, Vec3, VertexId};
 
 use crate::camera::Camera;
+use crate::light::dot;
 use crate::paint::Paint;
 use crate::polygon::{self, Corner};
 use crate::surface::Finish;
@@ -31,7 +32,8 @@ pub struct Body<'a> {
     /// the mean of the face normals weighted by the angle of the corner. \[Thürmer1998\]
     pub normals: Option<&'a [Vec3]>,
     /// Normal at each face corner, in the order of [`Faces::corners`], instead of that of its vertex: where
-    /// a crease parts the surface. One that is zero or not finite does not count.
+    /// a crease parts the surface. One that is zero, not finite, or points
+    /// away from its face does not count: where a surface folds over at a corner, in that point alone.
     pub corner_normals: Option<&'a [Vec3]>,
     /// sRGB colour and opacity of each vertex, used instead of the fill's, or for the points where
     /// there is no fill. A colour that is not finite is ignored.
@@ -442,7 +444,7 @@ impl Scene {
             corners.extend(face.iter().map(|v| first_point + v));
             if let Some(normals) = body.corner_normals {
                 let own = &normals[starts[f] as usize..][..face.len()];
-                self.part(&mut corners, own, camera);
+                self.part(&mut corners, own, first_face as usize + f, camera);
             }
             places.clear();
             places.extend(corners.iter().map(|&c| self.points[c as usize]));
@@ -481,14 +483,15 @@ impl Scene {
     }
 
     /// Gives corners whose normal is another than that of their point a point of their own.
-    fn part(&mut self, corners: &mut [u32], normals: &[Vec3], camera: &Camera) {
+    fn part(&mut self, corners: &mut [u32], normals: &[Vec3], face: usize, camera: &Camera) {
+        let front = self.face_normals[face];
         for (corner, &normal) in corners.iter_mut().zip(normals) {
             let (point, normal) = (*corner as usize, normal.normalized());
             if !normal.is_finite() || normal == Vec3::ZERO {
                 continue;
             }
             let turned = to_f32(camera.turn(normal));
-            if self.normals[point] == turned {
+            if self.normals[point] == turned || dot(turned, front) < 0.0 {
                 continue;
             }
             *corner = self.points.len() as u32;

@@ -332,7 +332,9 @@ fn normals_of_corners_part_what_a_vertex_joins() {
     let parted = Body { corner_normals: Some(&normals), ..smooth };
     assert_eq!(draw(parted), draw(flat));
     assert_ne!(draw(parted), draw(smooth));
-    // Those without a direction do not count.
+    // Those without a direction do not count, nor those that point away.
+    let inward: Vec<Vec3> = normals.iter().map(|n| -1.0 * *n).collect();
+    assert_eq!(draw(Body { corner_normals: Some(&inward), ..smooth }), draw(smooth));
     let none = [Vec3::ZERO, Vec3::new(f64::NAN, 0.0, 0.0)].repeat(12);
     assert_eq!(draw(Body { corner_normals: Some(&none), ..smooth }), draw(smooth));
     let few = Body { corner_normals: Some(&normals[1..]), ..smooth };
