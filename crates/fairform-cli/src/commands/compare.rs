@@ -55,17 +55,19 @@ pub(crate) fn run(args: &Compare, console: &Console) -> Result<ExitCode, Failure
 fn schemes(mesh: &Mesh) -> Vec<(&'static str, Rules)> {
     let size = mesh.topology().uniform_face_size();
     let tight =
-        |lambda: Vec<f64>| Rules { tension: Some(lambda.into()), ..Scheme::DooSabin.into() };
+        |scheme: Scheme, lambda: Vec<f64>| Rules { tension: Some(lambda.into()), ..scheme.into() };
     let count = mesh.topology().face_count();
     let mut all = Vec::new();
     if size == Some(3) {
         all.push(("loop", Rules::LOOP));
+        all.push(("loop, 0.75", tight(Scheme::Loop, vec![0.75; count])));
     }
     all.push(("catmull-clark", Scheme::CatmullClark.into()));
+    all.push(("catmull-clark, 0.75", tight(Scheme::CatmullClark, vec![0.75; count])));
     all.push(("doo-sabin", Scheme::DooSabin.into()));
-    all.push(("two-phase, auto", tight(tension::automatic(mesh))));
-    all.push(("two-phase, 0.5", tight(vec![0.5; count])));
-    all.push(("two-phase, 0.85", tight(vec![0.85; count])));
+    all.push(("doo-sabin, auto", tight(Scheme::DooSabin, tension::automatic(mesh))));
+    all.push(("doo-sabin, 0.5", tight(Scheme::DooSabin, vec![0.5; count])));
+    all.push(("doo-sabin, 0.85", tight(Scheme::DooSabin, vec![0.85; count])));
     if size == Some(3) {
         all.push(("butterfly", Scheme::Butterfly.into()));
     }
@@ -138,7 +140,7 @@ impl Row {
 
 fn table(rows: &[Row]) -> String {
     let mut text = format!(
-        "{:<16} {:>9} {:>10} {:>12} {:>10} {:>10} {:>9}\n",
+        "{:<19} {:>9} {:>10} {:>12} {:>10} {:>10} {:>9}\n",
         "scheme", "error", "bending", "variation", "deviation", "undulation", "seconds"
     );
     for row in rows {
