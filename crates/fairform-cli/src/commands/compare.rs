@@ -147,7 +147,7 @@ fn table(rows: &[Row]) -> String {
         let undulation = row.undulation.map_or("–".into(), |u| format!("{u:.3}"));
         let _ = writeln!(
             text,
-            "{:<16} {:>9.1e} {:>10.4} {:>12.4e} {:>10.5} {:>10} {:>9.4}",
+            "{:<19} {:>9.1e} {:>10.4} {:>12.4e} {:>10.5} {:>10} {:>9.4}",
             row.name,
             row.error,
             row.measures.bending,
