@@ -293,11 +293,8 @@ proptest! {
             let rules = with(scheme, tension.clone());
             let (matrix, inverse) = symmetric(&mesh, &rules);
             let n = inverse.len();
-            for i in 0..n {
-                for j in 0..i {
-                    assert!((matrix[i][j] - matrix[j][i]).abs() < 1e-12, "symmetric");
-                }
-            }
+            let agrees = |i: usize, j: usize| (matrix[i][j] - matrix[j][i]).abs() < 1e-12;
+            assert!((0..n).all(|i| (0..i).all(|j| agrees(i, j))), "symmetric");
             let mut rest = matrix.clone();
             let bound = bound(&mesh, &rules);
             for (i, line) in rest.iter_mut().enumerate() {

@@ -112,12 +112,12 @@ impl Local {
         let zero = || alloc::vec![0.0; size];
         // A face centroid in terms of the values.
         let add_face = |row: &mut [f64], i: usize, weight: f64| {
-            if !self.is_refined {
-                row[1 + m + i] += weight;
-            } else {
+            if self.is_refined {
                 for at in [0, 1 + i, 1 + (i + 1) % m, 1 + m + i] {
                     row[at] += 0.25 * weight;
                 }
+            } else {
+                row[1 + m + i] += weight;
             }
         };
         let mut rows = Vec::with_capacity(size);
