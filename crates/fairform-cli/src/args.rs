@@ -440,8 +440,9 @@ pub(crate) struct Writing {
 /// Shape parameters of faces.
 #[derive(clap::Args, Debug)]
 pub(crate) struct TensionOptions {
-    /// Doo–Sabin in two phases, with a shape parameter in (0, 1] per face: near 1 tight, around 0.5
-    /// round. A number, auto, or a JSON file.
+    /// The first step in two phases, with a shape parameter per face: near 1 tight, around 0.5 round.
+    /// From 0.5 to 1 for Loop and Catmull–Clark, above 0 for Doo–Sabin, which also knows auto. A
+    /// number or a JSON file.
     #[arg(long, visible_alias = "tension", value_name = "X|auto|FILE.json")]
     pub(crate) lambda: Option<String>,
     /// Another parameter for some faces, for example 'group=lid':0.85 or 'z>0.5 and not part=1':0.9;

@@ -50,9 +50,9 @@ pub(crate) fn choose(
         rules.kobbelt_weight = w;
     }
     rules.tension = tension(&options.tension, surface)?.map(Into::into);
-    if rules.tension.is_some() && rules.scheme != Scheme::DooSabin {
+    if options.tension.lambda.as_deref() == Some("auto") && rules.scheme != Scheme::DooSabin {
         return Err(Failure::new(format!(
-            "--lambda and --tension-where are for --scheme doo-sabin, not {}",
+            "--lambda auto is for --scheme doo-sabin, not {}: it finds parameters up to 0.5",
             rules.scheme
         )));
     }

@@ -19,6 +19,7 @@ use crate::rules::BoundaryKinds;
 use crate::scheme::loop_scheme::{BoundaryKind, boundary_scale};
 use crate::scheme::{Border, Rules, Scheme, catmull_clark, doo_sabin, loop_scheme};
 use crate::solve::{Interval, LinearOperator, Outcome, Report, Step, Stop};
+use crate::tension::Shares;
 use crate::{Mesh, Topology, Vec3, order, par, rows, solve};
 
 #[cfg(not(feature = "direct"))]
@@ -361,15 +362,20 @@ impl<'t> Interpolator<'t> {
             let name = if closed { StageName::Closed } else { StageName::Interior };
             let mut known = [parts.known, parts.curves].concat();
             known.sort_unstable();
-            stages.push(if rules.scheme == Scheme::Loop && rules.creases.is_none() {
-                ring_stage(topology, name, parts.others, &known)
-            } else {
-                let bound = interior_bound(topology, rules, &parts.others);
-                let mut vertices = order::by_locality(topology, parts.others);
-                let count = vertices.len();
-                vertices.extend(known);
-                row_stage(topology, rules, name, vertices, count, bound)
-            });
+            stages.push(
+                if rules.scheme == Scheme::Loop
+                    && rules.creases.is_none()
+                    && rules.tension.is_none()
+                {
+                    ring_stage(topology, name, parts.others, &known)
+                } else {
+                    let bound = interior_bound(topology, rules, &parts.others);
+                    let mut vertices = order::by_locality(topology, parts.others);
+                    let count = vertices.len();
+                    vertices.extend(known);
+                    row_stage(topology, rules, name, vertices, count, bound)
+                },
+            );
         }
         Ok(Self { topology, rules, stages })
     }
@@ -391,7 +397,8 @@ impl<'t> Interpolator<'t> {
     ///
     /// # Errors
     /// [`Error::BadOption`]; [`Error::NotSymmetric`] for conjugate gradients and factorising beside
-    /// creases that end or fade; [`Error::NotDefinite`] and [`Error::FactorTooLarge`] for factorising; [`Error::Interrupted`] if the observer breaks. Not converging is no error: the
+    /// creases that end or fade, and on boundaries of Loop's scheme in two phases where shape parameters
+    /// differ; [`Error::NotDefinite`] and [`Error::FactorTooLarge`] for factorising; [`Error::Interrupted`] if the observer breaks. Not converging is no error: the
     /// report says so.
     ///
     /// # Panics
@@ -693,8 +700,14 @@ struct Bound {
 
 fn curve_bound(topology: &Topology, rules: &Rules) -> Bound {
     let guaranteed = match (rules.scheme, &rules.tension) {
-        (Scheme::Loop, _) => loop_scheme::BOUNDARY_SMALLEST_EIGENVALUE,
-        (Scheme::CatmullClark, _) => catmull_clark::CURVE_SMALLEST_EIGENVALUE,
+        (Scheme::Loop, None) => loop_scheme::BOUNDARY_SMALLEST_EIGENVALUE,
+        (Scheme::CatmullClark, None) => catmull_clark::CURVE_SMALLEST_EIGENVALUE,
+        (Scheme::Loop, Some(_)) => {
+            let largest = largest_share(topology, rules);
+            // What an even loop of extraordinary vertices has at one share for all.
+            return Bound { guaranteed: 0.6 - 0.4 * largest, usual: 0.6 - 0.3 * largest };
+        }
+        (Scheme::CatmullClark, Some(_)) => (2.0 - largest_share(topology, rules)) / 3.0,
         // Nothing is solved for: all vertices are known.
         (Scheme::Butterfly | Scheme::Kobbelt, _) => 1.0,
         (Scheme::DooSabin, None) => doo_sabin::CHAIKIN,
@@ -719,12 +732,21 @@ fn interior_bound(topology: &Topology, rules: &Rules, vertices: &[u32]) -> Bound
     let smallest = fans().min().unwrap_or(6);
     match (rules.scheme, &rules.tension) {
         // Beside creases the bounds of the smooth rules hold in practice.
-        (Scheme::Loop, _) => Bound {
+        (Scheme::Loop, None) => Bound {
             guaranteed: loop_scheme::smallest_eigenvalue_bound(smallest.max(2)),
-            usual: 0.2,
+            usual: LOOP_USUAL,
         },
-        (Scheme::CatmullClark, _) => {
-            Bound { guaranteed: catmull_clark::smallest_eigenvalue_bound(smallest), usual: 0.1 }
+        (Scheme::CatmullClark, None) => Bound {
+            guaranteed: catmull_clark::smallest_eigenvalue_bound(smallest),
+            usual: CATMULL_CLARK_USUAL,
+        },
+        (Scheme::Loop, Some(_)) => {
+            let bound = |n: u32, share| loop_scheme::two_phase_eigenvalue_bound(n.max(2), share);
+            two_phase_bound(topology, rules, vertices, LOOP_USUAL, bound)
+        }
+        (Scheme::CatmullClark, Some(_)) => {
+            let bound = catmull_clark::two_phase_eigenvalue_bound;
+            two_phase_bound(topology, rules, vertices, CATMULL_CLARK_USUAL, bound)
         }
         (Scheme::Butterfly | Scheme::Kobbelt, _) => Bound { guaranteed: 1.0, usual: 1.0 },
         (Scheme::DooSabin, None) => {
@@ -740,6 +762,40 @@ fn interior_bound(topology: &Topology, rules: &Rules, vertices: &[u32]) -> Bound
             Bound { guaranteed, usual: guaranteed }
         }
     }
+}
+
+/// Lower ends of the spectrum that meshes have in practice, of interior vertices.
+const LOOP_USUAL: f64 = 0.2;
+const CATMULL_CLARK_USUAL: f64 = 0.1;
+
+/// The largest share of the plain scheme in two phases.
+fn largest_share(topology: &Topology, rules: &Rules) -> f64 {
+    rules.shares(topology).map_or(1.0, Shares::largest)
+}
+
+/// The bounds in two phases, from that of one vertex by its valence and the share of the plain scheme.
+fn two_phase_bound(
+    topology: &Topology,
+    rules: &Rules,
+    vertices: &[u32],
+    usual: f64,
+    bound: impl Fn(u32, f64) -> f64,
+) -> Bound {
+    let smallest = |share: &dyn Fn(VertexId, u32) -> f64| {
+        let one = |&v: &u32| {
+            let v = VertexId(v);
+            let n = topology.fan_size(v);
+            bound(n, share(v, n))
+        };
+        vertices.iter().map(one).fold(1.0, f64::min)
+    };
+    let shares = rules.shares(topology);
+    let mean = |v, n| shares.map_or(1.0, |s| s.around(v) / f64::from(n));
+    // The smallest eigenvalue falls with every share, and is concave: at one share for all it is not
+    // below what lies between the plain scheme and linear subdivision.
+    let largest = largest_share(topology, rules);
+    let usual = largest * usual + (1.0 - largest) * smallest(&|_, _| 0.0);
+    Bound { guaranteed: smallest(&mean), usual }
 }
 
 /// A stage on the limit rows as they are, of the first `count` of `vertices`; the others are known.
@@ -775,7 +831,10 @@ fn row_stage(
         rows::gather(&rows, vertices[i] as usize, entries);
     };
     let scales = vertices[..count].iter().map(|&v| scale(VertexId(v))).collect();
-    let operator = RowOperator::new(count, row, &local, scales, bound.guaranteed, bound.usual);
+    let mut operator = RowOperator::new(count, row, &local, scales, bound.guaranteed, bound.usual);
+    if rules.scheme == Scheme::Loop && rules.tension.is_some() && name == StageName::Boundary {
+        operator.find_scale();
+    }
     Stage { name, operator: StageOperator::Rows(operator), vertices }
 }
 

@@ -27,7 +27,8 @@ use crate::{Stencils, Topology, Vec3, par};
 /// The first vertex of each connected component on which the limit operator is singular, so that no
 /// control points interpolate every target there: Catmull–Clark on closed components without creases
 /// in which every vertex has three faces and the edges connect two colours of vertices, such as a cube
-/// or any prism with an even number of sides.
+/// or any prism with an even number of sides. A shape parameter above 1/2 on a single face of the
+/// component makes the operator regular.
 ///
 /// Found by colouring, not by iterating. Rules that do not fit the topology have none.
 #[must_use]
@@ -53,9 +54,12 @@ fn plain_components(topology: &Topology, rules: &Rules) -> Vec<(VertexId, [u64; 
         return Vec::new();
     }
     let sharp = rules.sharpness(topology);
+    let shares = rules.shares(topology);
+    let is_tense = |v: VertexId| shares.is_some_and(|s| s.around(v) < 3.0);
     let is_plain = |v: VertexId| {
         !topology.is_isolated(v)
             && !topology.is_boundary(v)
+            && !is_tense(v)
             && sharp.vertex(v) == 0.0
             && sharp.edges(v).all(|e| sharp.edge(e.0) == 0.0)
     };

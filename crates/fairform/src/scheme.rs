@@ -10,6 +10,7 @@ use crate::Topology;
 use crate::crease::{Creases, INFINITE, Sharpness};
 use crate::error::Error;
 use crate::ids::{FaceId, VertexId};
+use crate::tension::Shares;
 
 pub mod butterfly;
 pub mod catmull_clark;
@@ -114,8 +115,11 @@ pub struct Rules {
     pub corners: Corners,
     /// What becomes of the boundary.
     pub border: Border,
-    /// Shape parameter of each face in $`(0, 1]`$, for a first Doo–Sabin step in two phases: near 1
-    /// the surface hugs the mesh, around 1/2 it is roundest. `None` is the plain scheme.
+    /// Shape parameter $`\lambda`$ of each face, for a first step in two phases: towards 1 the surface
+    /// hugs the mesh, around 1/2 it is roundest. For Doo–Sabin in $`(0, 1]`$, see
+    /// [`doo_sabin::phase_one_weights`]; for Loop and Catmull–Clark in $`[1/2, 1]`$, from the plain
+    /// scheme to linear subdivision in the first step, see [`loop_scheme`] and [`catmull_clark`].
+    /// `None` is the plain scheme.
     pub tension: Option<Arc<[f64]>>,
     /// Sharp edges and vertices; for Loop and Catmull–Clark.
     pub creases: Option<Arc<Creases>>,
@@ -188,10 +192,7 @@ impl Rules {
             (Border::None, _) => {}
         }
         if let Some(tension) = &self.tension {
-            if self.scheme != Scheme::DooSabin {
-                return Err(Error::NotForScheme { what: "a shape parameter per face", scheme });
-            }
-            check_tension(tension, topology.face_count())?;
+            self.check_tension(tension, topology.face_count())?;
         }
         if let Some(creases) = &self.creases {
             if !matches!(self.scheme, Scheme::Loop | Scheme::CatmullClark) {
@@ -249,6 +250,36 @@ impl Rules {
             })
     }
 
+    fn check_tension(&self, tension: &[f64], face_count: usize) -> Result<(), Error> {
+        let scheme = self.scheme.name();
+        let (smallest, expected) = match self.scheme {
+            Scheme::DooSabin => (f64::MIN_POSITIVE, "above 0 and at most 1"),
+            Scheme::Loop | Scheme::CatmullClark => (0.5, "from 0.5 to 1"),
+            Scheme::Butterfly | Scheme::Kobbelt => {
+                return Err(Error::NotForScheme { what: "a shape parameter per face", scheme });
+            }
+        };
+        if tension.len() != face_count {
+            let what = "shape parameters of faces";
+            return Err(Error::WrongCount { what, expected: face_count });
+        }
+        match tension.iter().position(|x| !(smallest..=1.0).contains(x)) {
+            Some(f) => {
+                let (face, value) = (FaceId(f as u32), tension[f]);
+                Err(Error::BadTension { face, value, scheme, expected })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// The shares of the plain scheme in a first step of Loop's or Catmull and Clark's scheme in two
+    /// phases.
+    pub(crate) fn shares<'a>(&'a self, topology: &'a Topology) -> Option<Shares<'a>> {
+        let is_split = matches!(self.scheme, Scheme::Loop | Scheme::CatmullClark);
+        let lambda = self.tension.as_deref().filter(|_| is_split)?;
+        Some(Shares { topology, lambda })
+    }
+
     pub(crate) fn sharpness<'a>(&'a self, topology: &'a Topology) -> Sharpness<'a> {
         Sharpness { topology, corners: self.corners, creases: self.creases.as_deref() }
     }
@@ -261,17 +292,6 @@ fn odd_face(topology: &Topology, size: u32) -> Option<(FaceId, usize)> {
     }
     let with_count = |f| (f, topology.face_halfedges(f).len());
     topology.faces().map(with_count).find(|(_, count)| *count != size as usize)
-}
-
-fn check_tension(tension: &[f64], face_count: usize) -> Result<(), Error> {
-    if tension.len() != face_count {
-        let what = "shape parameters of faces";
-        return Err(Error::WrongCount { what, expected: face_count });
-    }
-    match tension.iter().position(|&x| !(x > 0.0 && x <= 1.0)) {
-        Some(f) => Err(Error::BadTension { face: FaceId(f as u32), value: tension[f] }),
-        None => Ok(()),
-    }
 }
 
 /// Something that [`Rules`] allow, but that does not give a smooth surface.

@@ -275,6 +275,21 @@ fn the_surface_is_the_limit_of_refinement_with_creases() {
 }
 
 #[test]
+fn the_surface_is_the_limit_of_refinement_in_two_phases() {
+    for (seed, (name, mesh)) in assorted().into_iter().enumerate() {
+        let lambda = mesh.topology().faces().map(|f| 0.5 + 0.125 * f64::from(f.0 % 5));
+        let tension: Option<std::sync::Arc<[f64]>> = Some(lambda.collect());
+        for scheme in [Scheme::Loop, Scheme::CatmullClark] {
+            let creased = with_creases(scheme, Corners::Smooth, &mesh, 177 + seed as u64);
+            for rules in [Rules::from(scheme), creased] {
+                let rules = Rules { tension: tension.clone(), ..rules };
+                check_refinement(&mesh, &rules, 3, name);
+            }
+        }
+    }
+}
+
+#[test]
 fn the_surface_is_the_limit_of_refinement_by_doo_and_sabin() {
     for (name, mesh) in assorted() {
         if has_two_faces(mesh.topology()) {

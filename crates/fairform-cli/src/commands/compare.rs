@@ -107,17 +107,21 @@ impl Shape {
 fn schemes(mesh: &Mesh) -> Vec<(&'static str, Rules, Shape)> {
     let size = mesh.topology().uniform_face_size();
     let tight =
-        |lambda: Vec<f64>| Rules { tension: Some(lambda.into()), ..Scheme::DooSabin.into() };
+        |scheme: Scheme, lambda: Vec<f64>| Rules { tension: Some(lambda.into()), ..scheme.into() };
     let count = mesh.topology().face_count();
     let triangles = if size == Some(3) { Shape::AsGiven } else { Shape::Triangles };
     let quadrilaterals = if size == Some(4) { Shape::AsGiven } else { Shape::Quadrilaterals };
+    let triangle_count: usize =
+        mesh.topology().faces().map(|f| mesh.topology().face_halfedges(f).len() - 2).sum();
     vec![
         ("loop", Rules::LOOP, triangles),
+        ("loop, 0.75", tight(Scheme::Loop, vec![0.75; triangle_count]), triangles),
         ("catmull-clark", Scheme::CatmullClark.into(), Shape::AsGiven),
+        ("catmull-clark, 0.75", tight(Scheme::CatmullClark, vec![0.75; count]), Shape::AsGiven),
         ("doo-sabin", Scheme::DooSabin.into(), Shape::AsGiven),
-        ("two-phase, auto", tight(tension::automatic(mesh)), Shape::AsGiven),
-        ("two-phase, 0.5", tight(vec![0.5; count]), Shape::AsGiven),
-        ("two-phase, 0.85", tight(vec![0.85; count]), Shape::AsGiven),
+        ("doo-sabin, auto", tight(Scheme::DooSabin, tension::automatic(mesh)), Shape::AsGiven),
+        ("doo-sabin, 0.5", tight(Scheme::DooSabin, vec![0.5; count]), Shape::AsGiven),
+        ("doo-sabin, 0.85", tight(Scheme::DooSabin, vec![0.85; count]), Shape::AsGiven),
         ("butterfly", Scheme::Butterfly.into(), triangles),
         ("kobbelt", Scheme::Kobbelt.into(), quadrilaterals),
     ]
@@ -194,14 +198,14 @@ impl Row {
 
 fn table(rows: &[Row]) -> String {
     let mut text = format!(
-        "{:<16} {:>9} {:>10} {:>12} {:>10} {:>10} {:>9}\n",
+        "{:<22} {:>9} {:>10} {:>12} {:>10} {:>10} {:>9}\n",
         "scheme", "error", "bending", "variation", "deviation", "undulation", "seconds"
     );
     for row in rows {
         let undulation = row.undulation.map_or("–".into(), |u| format!("{u:.3}"));
         let _ = writeln!(
             text,
-            "{:<16} {:>9.1e} {:>10.4} {:>12.4e} {:>10.5} {:>10} {:>9.4}",
+            "{:<22} {:>9.1e} {:>10.4} {:>12.4e} {:>10.5} {:>10} {:>9.4}",
             format!("{}{}", row.name, mark(row.shape)),
             row.error,
             row.measures.bending,
