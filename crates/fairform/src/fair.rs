@@ -17,16 +17,25 @@
 //! sides 1, so that both integrals are squares of lengths. Regular faces are polynomials and integrated
 //! exactly. At an inner extraordinary point those parameters are of no use: the integral of a thin plate
 //! is infinite where the second eigenvalue $`\lambda`$ exceeds 1/2, even for a plane. There
-//! $`(x, y)`$ are the characteristic map, scaled to the area of a regular face. Planes in it have no
-//! bending, and a ring round the point has $`(\mu/\lambda)^2 < 1`$ times that of the ring before, with
-//! $`\mu`$ the next eigenvalue: the infinite sum is made as a whole. Regular points are no exception:
-//! their characteristic map is the plane lattice.
+//! $`(x, y)`$ are the characteristic map \[Reif1995\], scaled to the area of a regular face. Planes in it
+//! have no bending, and a ring round the point has $`(\mu/\lambda)^2 < 1`$ times that of the ring before,
+//! with $`\mu`$ the next eigenvalue: the infinite sum is made as a whole. Regular points are no
+//! exception: their characteristic map is the plane lattice.
 //!
-//! At extraordinary points on boundaries and creases, and where two faces surround an inner one, there
-//! is no such map, or none in which the sum is finite: there the parameters of the face are used, and of
-//! the rings towards the point only the first four count for bending. At vertices and faces that more
-//! than about 64 faces or edges surround, the parts of the surface that touch them (a quarter of its
-//! faces) do not count, so that time and memory stay linear.
+//! At extraordinary points on boundaries and creases the two second eigenvalues differ, and the sum need
+//! not be finite in any such map: of the rings towards them only the first four count. Where more faces meet than in a regular point,
+//! $`(x, y)`$ is what a plane control mesh makes of that neighbourhood, its faces spread evenly; where
+//! fewer meet, and where two faces surround an inner point, they are the parameters of the face. At
+//! vertices and faces that more than about 64 faces or edges surround, the parts of the surface that
+//! touch them (a quarter of its faces) do not count, so that time and memory stay linear.
+//!
+//! # What it does
+//!
+//! The least energy of a plate held at points is no cure for all: its curvature has a logarithmic peak
+//! at each of them, so a fit to a smooth shape may be fairer as it is. Over the test meshes on which
+//! $`\int H^2`$ of the fit is below 3000, it is at weight 1 in the median 1.00 (Loop, 17 meshes), 0.95
+//! (Catmull–Clark, 20) and 0.97 (Doo–Sabin, 18) times that of the fit, and $`\int |\nabla H|^2`$ is 1.25,
+//! 0.76 and 0.67 times that.
 
 use alloc::vec::Vec;
 

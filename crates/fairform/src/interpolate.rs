@@ -274,7 +274,7 @@ pub struct FitReport {
     /// Largest distance, in the chosen norm, that the push-back had to move a limit point after the
     /// stages were done; `None` if there was none. [`max`](Self::max) is what is left after it.
     pub pushed_back: Option<f64>,
-    /// What fairing did, if it was asked for.
+    /// What fairing did, if it was asked for. Its energies are in units of [`unit`](Self::unit) squared.
     pub fairing: Option<Fairing>,
 }
 

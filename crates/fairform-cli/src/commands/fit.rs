@@ -236,7 +236,7 @@ fn tell_of_level(args: &Fit, level: u32, singular: usize, report: &FitReport, co
     ));
     if let Some(fairing) = report.fairing {
         console.note(format!(
-            "fairing: bending energy of the limit surface {:.4e} before, {:.4e} after, {} iterations",
+            "fairing: energy of the limit surface {:.4e} before, {:.4e} after, {} iterations",
             fairing.before, fairing.after, fairing.updates
         ));
     }

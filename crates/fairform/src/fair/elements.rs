@@ -231,7 +231,7 @@ mod tests {
                     let ring: Vec<VertexId> = topology.ring(*v).collect();
                     !topology.is_boundary(*v) && ring.iter().all(|&q| !topology.is_boundary(q))
                 };
-                if !corners.iter().all(|v| is_inner(&v)) {
+                if !corners.iter().all(is_inner) {
                     continue;
                 }
                 found += 1;
