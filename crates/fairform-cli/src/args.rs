@@ -104,6 +104,9 @@ pub(crate) struct Fit {
     /// noisy or unevenly spaced points. Implies --exact.
     #[arg(long, value_name = "WEIGHT", value_parser = not_negative)]
     pub(crate) fair: Option<f64>,
+    /// With --fair: what stretching counts beside bending. More makes a tighter surface.
+    #[arg(long, value_name = "X", value_parser = not_negative, requires = "fair", default_value_t = 0.001)]
+    pub(crate) fair_stretch: f64,
     /// Make exactly so many updates, or with --tolerance at most so many.
     #[arg(long, value_name = "K")]
     pub(crate) iterations: Option<u32>,

@@ -86,7 +86,15 @@ fn a_cube_simply_works() {
     let report = folder.json("r.json");
     assert!(report["max"].as_f64().unwrap() < 1e-14 && report["control_level"] == 1);
     folder.ok("fit dented.obj -o fair.ply --scheme catmull-clark --fair 1 --report r.json");
-    assert!(folder.json("r.json")["max"].as_f64().unwrap() < 1e-13);
+    let report = folder.json("r.json");
+    assert!(report["max"].as_f64().unwrap() < 1e-13);
+    let fairing = &report["fairing"];
+    assert!(fairing["after"].as_f64().unwrap() < fairing["before"].as_f64().unwrap());
+    assert_eq!(fairing["energy"]["stretching"], 0.001);
+    let tight = "fit dented.obj -o tight.ply --scheme catmull-clark --fair 1 --fair-stretch 10";
+    let run = folder.ok(tight);
+    assert!(run.stderr.contains("of the limit surface"), "{}", run.stderr);
+    assert_ne!(folder.bytes("fair.ply"), folder.bytes("tight.ply"));
     folder.fails("fit cube.obj -o fair.ply --scheme catmull-clark --fair 2", 1, "between 0 and 1");
 }
 

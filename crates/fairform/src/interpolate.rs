@@ -8,7 +8,7 @@ use core::str::FromStr;
 
 use crate::crease::Kind;
 use crate::error::Error;
-use crate::fair::Fairing;
+use crate::fair::{Energy, Fairing};
 use crate::ids::{NONE, VertexId};
 use crate::limit::operator::{RingOperator, RowOperator};
 use crate::limit::{self, LimitRows, limit_points};
@@ -180,6 +180,8 @@ pub struct Options {
     /// How fair [`fit_mesh`] is to make the surface, from 0 (the plain interpolant) to 1 (the
     /// fairest), see [`fair`](crate::fair). Implies [`exact`](Self::exact).
     pub fair: Option<f64>,
+    /// What [`fair`](Self::fair) minimises.
+    pub energy: Energy,
 }
 
 impl Default for Options {
@@ -191,6 +193,7 @@ impl Default for Options {
             iterations: 10_000,
             exact: false,
             fair: None,
+            energy: Energy::default(),
         }
     }
 }
@@ -201,6 +204,7 @@ impl Options {
             let (what, expected) = ("the fairness", "between 0 and 1");
             return Err(Error::BadOption { what, expected, value });
         }
+        self.energy.check()?;
         match self.tolerance {
             Some(value) if !(value > 0.0 && value.is_finite()) => Err(Error::BadOption {
                 what: "the tolerance",
@@ -222,6 +226,9 @@ pub enum StageName {
     Boundary,
     /// All others, with the boundary known.
     Interior,
+    /// Fairing, which comes last and is no stage of a report. Its errors are about how far points still
+    /// have to go.
+    Fairing,
 }
 
 impl StageName {
@@ -232,6 +239,7 @@ impl StageName {
             Self::Closed => "closed",
             Self::Boundary => "boundary",
             Self::Interior => "interior",
+            Self::Fairing => "fairing",
         }
     }
 }
@@ -268,7 +276,7 @@ pub struct FitReport {
     /// Largest distance, in the chosen norm, that the push-back had to move a limit point after the
     /// stages were done; `None` if there was none. [`max`](Self::max) is what is left after it.
     pub pushed_back: Option<f64>,
-    /// What fairing did, if it was asked for.
+    /// What fairing did, if it was asked for. Its energies are in units of [`unit`](Self::unit) squared.
     pub fairing: Option<Fairing>,
 }
 

@@ -15,7 +15,6 @@
 
 use alloc::vec::Vec;
 
-use crate::crease::Kind;
 use crate::error::Error;
 use crate::ids::{HalfedgeId, VertexId};
 use crate::limit::{self, LimitRows};
@@ -270,13 +269,7 @@ impl<'t> PushBack<'t> {
         }
         let rows = FreedomRows { pushback: self, limit: self.rows(), number: &number };
         let stencils = rows::stencils(&rows, free.len());
-        let sharp = self.step.next.sharpness(finer);
-        let is_smooth = par::collect(count, |i| {
-            let v = VertexId(i as u32);
-            let is_old = self.rules.scheme != Scheme::DooSabin && i < coarse_count;
-            (is_old || !is_fixed[i]) && !finer.is_isolated(v) && sharp.kind(v, 0) == Kind::Smooth
-        });
-        Freedom { stencils, is_smooth }
+        Freedom { stencils }
     }
 }
 
@@ -285,8 +278,6 @@ impl<'t> PushBack<'t> {
 pub(crate) struct Freedom {
     /// How a finer value changes with the free ones.
     pub(crate) stencils: Stencils,
-    /// Whether a finer vertex is off boundaries and creases.
-    pub(crate) is_smooth: Vec<bool>,
 }
 
 struct FreedomRows<'a> {

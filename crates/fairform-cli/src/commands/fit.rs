@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
+use fairform::fair::Energy;
 use fairform::interpolate::{self, FitReport, Interpolator, Observer, Options, StageName};
 use fairform::solve::{Outcome, Step};
 use fairform::{Mesh, Rules, Topology};
@@ -56,7 +57,11 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
     clock.lap("prepare");
     let options = options(args);
     let mut observe = |stage: StageName, step: Step| {
-        progress.say(format!("{stage}: {} updates, largest error {:.2e}", step.updates, step.max));
+        let what = match stage {
+            StageName::Fairing => "points to move by",
+            _ => "largest error",
+        };
+        progress.say(format!("{stage}: {} updates, {what} {:.2e}", step.updates, step.max));
         ControlFlow::Continue(())
     };
     let had_normals = target.normals.is_some();
@@ -166,6 +171,7 @@ fn options(args: &Fit) -> Options {
         iterations: args.iterations.unwrap_or(usual.iterations),
         exact: args.exact,
         fair: args.fair,
+        energy: Energy { stretching: args.fair_stretch, ..Energy::default() },
     }
 }
 
@@ -253,6 +259,12 @@ fn tell_of_level(args: &Fit, level: u32, singular: usize, report: &FitReport, co
          step{why}; the control mesh is one level finer; error max {:.1e}",
         report.max
     ));
+    if let Some(fairing) = report.fairing {
+        console.note(format!(
+            "fairing: energy of the limit surface {:.4e} before, {:.4e} after, {} iterations",
+            fairing.before, fairing.after, fairing.updates
+        ));
+    }
     if args.levels == 0 {
         console.note("note: so --levels 0 wrote the mesh of level 1");
     }
@@ -295,6 +307,16 @@ fn summary(
         "control_level": u32::from(report.pushed_back.is_some()),
         "pushed_back": report.pushed_back,
         "fair": options.fair,
+        "fairing": report.fairing.map(|fairing| json!({
+            "energy": {
+                "of": "the limit surface",
+                "bending": options.energy.bending,
+                "stretching": options.energy.stretching,
+            },
+            "iterations": fairing.updates,
+            "before": fairing.before,
+            "after": fairing.after,
+        })),
         "stages": stages,
         "max": report.max,
         "mean": report.mean,

@@ -3,12 +3,12 @@
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use super::{FitReport, Interpolator, Method, Observer, Options, Solver};
+use super::{FitReport, Interpolator, Method, Observer, Options, Solver, StageName};
 use crate::error::Error;
 use crate::fair::{self, Fairing};
 use crate::ids::VertexId;
 use crate::pushback::{PushBack, is_not_definite, singular_components};
-use crate::solve::{Outcome, Stop};
+use crate::solve::{Outcome, Step, Stop};
 use crate::{Mesh, Rules, Vec3};
 
 /// Updates before a push-back. What they leave over moves the surface between the vertices by less
@@ -142,16 +142,20 @@ impl Interpolator<'_> {
         };
         let mut finer = pushback.step().apply(&control);
         let pushed_back = pushback.correct(&scaled.target, &mut finer);
-        let fairing: Option<Fairing> = options.fair.map(|weight| {
-            let mut fairing = fair::fair(pushback, &mut finer, weight);
+        let mut fairing = None;
+        if let Some(weight) = options.fair {
+            let unit = scaled.stop.unit;
+            let mut observe = |step: Step| {
+                let (max, mean) = (step.max / unit, step.mean / unit);
+                observer(StageName::Fairing, Step { max, mean, ..step })
+            };
+            let done = fair::fair(pushback, &mut finer, weight, options.energy, &mut observe)?;
             // Twice, since the square of a small unit may be zero.
-            for energy in [&mut fairing.before, &mut fairing.after] {
-                *energy = *energy / scaled.stop.unit / scaled.stop.unit;
-            }
+            let [before, after] = [done.before, done.after].map(|energy| energy / unit / unit);
+            fairing = Some(Fairing { before, after, ..done });
             // Fairing keeps the limit points up to rounding; this rounds once, not in every update.
             pushback.correct(&scaled.target, &mut finer);
-            fairing
-        });
+        }
         let mut report = self.report(&scaled, &pushback.limit_points(&finer), stages);
         report.pushed_back = Some(pushed_back / scaled.stop.unit);
         report.fairing = fairing;
