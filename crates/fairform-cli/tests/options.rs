@@ -299,7 +299,7 @@ fn compare_shows_all_schemes_on_any_mesh() {
     ] {
         let json = folder.ok(&format!("compare {input} --json --levels 2")).json();
         let rows = json["schemes"].as_array().unwrap();
-        assert_eq!(rows.len(), 8, "{input}");
+        assert_eq!(rows.len(), 10, "{input}");
         let shape = |name: &str| rows.iter().find(|r| r["scheme"] == name).unwrap()["mesh"].clone();
         assert_eq!(["loop", "butterfly", "kobbelt"].map(shape), shapes, "{input}");
         for row in rows {
