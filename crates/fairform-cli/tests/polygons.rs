@@ -86,7 +86,15 @@ fn a_cube_simply_works() {
     let report = folder.json("r.json");
     assert!(report["max"].as_f64().unwrap() < 1e-14 && report["control_level"] == 1);
     folder.ok("fit dented.obj -o fair.ply --scheme catmull-clark --fair 1 --report r.json");
-    assert!(folder.json("r.json")["max"].as_f64().unwrap() < 1e-13);
+    let report = folder.json("r.json");
+    assert!(report["max"].as_f64().unwrap() < 1e-13);
+    let fairing = &report["fairing"];
+    assert!(fairing["after"].as_f64().unwrap() < fairing["before"].as_f64().unwrap());
+    assert_eq!(fairing["energy"]["stretching"], 0.001);
+    let tight = "fit dented.obj -o tight.ply --scheme catmull-clark --fair 1 --fair-stretch 10";
+    let run = folder.ok(tight);
+    assert!(run.stderr.contains("of the limit surface"), "{}", run.stderr);
+    assert_ne!(folder.bytes("fair.ply"), folder.bytes("tight.ply"));
     folder.fails("fit cube.obj -o fair.ply --scheme catmull-clark --fair 2", 1, "between 0 and 1");
 }
 
@@ -128,7 +136,42 @@ fn shape_parameters_in_every_form() {
         folder.fails(&format!("{fit} {options}"), 1, words);
     }
     folder.fails(&format!("{fit} --tension-where 0.5"), 2, "SELECTION:X");
-    folder.fails("fit cube.obj -o out.ply --scheme catmull-clark --lambda 0.5", 1, "doo-sabin");
+}
+
+#[test]
+fn shape_parameters_for_all_approximating_schemes() {
+    let folder = Folder::new();
+    cube(&folder);
+    folder.ok("repair cube.obj -o triangles.obj --triangulate");
+    for (mesh, scheme) in [("cube.obj", "catmull-clark"), ("triangles.obj", "loop")] {
+        let fit = format!("fit {mesh} -o out.ply --scheme {scheme}");
+        let with = |options: &str| {
+            folder.ok(&format!("{fit} {options} --report r.json"));
+            let report = folder.json("r.json");
+            assert!(report["max"].as_f64().unwrap() <= 1e-6, "{scheme} {options}");
+            (report["control_level"].as_u64().unwrap(), folder.bytes("out.ply"))
+        };
+        // The cube alone needs no correction any more.
+        assert_eq!(with("--lambda 0.6").0, 0);
+        assert_ne!(with("--lambda 0.6").1, with("--lambda 0.9").1);
+        assert_eq!(with("--lambda 0.9"), with("--tension-where all:0.9"));
+        assert_ne!(with("--lambda 0.5").1, with("--tension-where face=3:0.9 --falloff 2").1);
+        for (options, words) in [
+            ("--lambda 0.4", "face 0 is 0.4"),
+            ("--lambda 1.5", "from 0.5 to 1"),
+            ("--tension-where face=2:0.1", "face 2"),
+            ("--lambda auto", "doo-sabin"),
+        ] {
+            folder.fails(&format!("{fit} {options}"), 1, words);
+        }
+        let picture = format!("render {mesh} -o p.png --size 200x160 --scheme {scheme}");
+        folder.ok(&picture);
+        let plain = folder.bytes("p.png");
+        folder.ok(&format!("{picture} --lambda 0.9"));
+        assert_ne!(plain, folder.bytes("p.png"));
+    }
+    let kobbelt = "fit cube.obj -o out.ply --scheme kobbelt --lambda 0.7";
+    folder.fails(kobbelt, 1, "does not know a shape parameter");
 }
 
 #[test]

@@ -143,6 +143,11 @@ pub(crate) fn after_step(sharpness: f64) -> f64 {
     if sharpness >= INFINITE { sharpness } else { (sharpness - 1.0).max(0.0) }
 }
 
+/// The sharpness that is left after several steps.
+fn sharpness_after(sharpness: f64, steps: u32) -> f64 {
+    (0..steps.min(INFINITE as u32)).fold(sharpness, |s, _| after_step(s))
+}
+
 /// Which rule a vertex follows.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Kind {
@@ -188,10 +193,18 @@ impl Sharpness<'_> {
         inner.chain(last)
     }
 
+    /// The edges at a vertex that are still sharp `steps` later, and their other ends.
+    pub(crate) fn sharp_edges(
+        self,
+        v: VertexId,
+        steps: u32,
+    ) -> impl Iterator<Item = (EdgeId, VertexId)> {
+        self.edges(v).filter(move |e| sharpness_after(self.edge(e.0), steps) > 0.0)
+    }
+
     /// The rule of a vertex, `steps` later; on the boundary without creases at a glance.
     pub(crate) fn kind(self, v: VertexId, steps: u32) -> Kind {
-        let left = |s: f64| (0..steps.min(INFINITE as u32)).fold(s, |s, _| after_step(s));
-        if left(self.vertex(v)) > 0.0 {
+        if sharpness_after(self.vertex(v), steps) > 0.0 {
             return Kind::Corner;
         }
         if self.creases.is_none() && !self.topology.is_boundary(v) {
@@ -199,7 +212,7 @@ impl Sharpness<'_> {
         }
         let mut ends = [v; 2];
         let mut count = 0;
-        for (_, q) in self.edges(v).filter(|e| left(self.edge(e.0)) > 0.0) {
+        for (_, q) in self.sharp_edges(v, steps) {
             if let Some(end) = ends.get_mut(count) {
                 *end = q;
             }

@@ -157,7 +157,10 @@ pub enum Error {
         halfedges: u64,
     },
     /// Conjugate gradients and factorising need a symmetric operator.
-    #[error("this method does not work beside creases that end or fade; use another one")]
+    #[error(
+        "this method does not work beside creases that end or fade, nor on a boundary of Loop's \
+         scheme along which shape parameters change; use another one"
+    )]
     NotSymmetric,
     /// Factorising needs a positive definite operator.
     #[error("no factors: the limit operator is singular, or not definite, on this mesh")]
@@ -176,12 +179,18 @@ pub enum Error {
         value: f64,
     },
     /// A shape parameter is out of its range.
-    #[error("the shape parameter of face {face} is {value}; it must be above 0 and at most 1")]
+    #[error(
+        "the shape parameter of face {face} is {value}; for the {scheme} scheme it must be {expected}"
+    )]
     BadTension {
         /// The first such face.
         face: FaceId,
         /// Its parameter.
         value: f64,
+        /// The scheme's name.
+        scheme: &'static str,
+        /// The range in words.
+        expected: &'static str,
     },
     /// A list of the wrong length.
     #[error("expected {expected} values, one for each: {what}")]

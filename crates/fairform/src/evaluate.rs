@@ -41,15 +41,19 @@ use crate::refine::refine;
 use crate::scheme::{Border, Rules, Scheme};
 use crate::{Stencils, Topology, Vec3, par};
 
-mod basis;
-mod graph;
+pub(crate) mod basis;
+pub(crate) mod graph;
 mod map;
 mod neighbourhood;
+mod parts;
 mod patch;
 
 use graph::Graph;
 use map::Map;
 use neighbourhood::{Gatherer, Neighbourhood};
+pub(crate) use parts::Parts;
+use parts::{beginning, is_covered};
+pub(crate) use patch::Sector;
 
 /// Most faces of a neighbourhood that is looked at beforehand. Larger ones are looked at when they
 /// are needed, so that the memory is never quadratic in the valence.
@@ -125,12 +129,7 @@ pub struct Evaluator<'t> {
     finer: Topology,
     next: Rules,
     first: Stencils,
-    graph: Graph,
-    /// The node of each part; [`NONE`] if it is not known beforehand.
-    node: Vec<u32>,
-    /// The vertices that each part depends on, one after the other.
-    start: Vec<u32>,
-    vertices: Vec<VertexId>,
+    parts: Parts,
 }
 
 /// A place in a part of the surface.
@@ -155,40 +154,9 @@ impl<'t> Evaluator<'t> {
         let first = step.stencils();
         let (finer, next) = (step.topology, step.next);
         let scheme = rules.scheme;
-        let part_count = match scheme {
-            Scheme::DooSabin => finer.vertex_count(),
-            _ => finer.face_count(),
-        };
-        let (mut graph, mut gatherer) = (Graph::default(), Gatherer::new(&finer, &next));
-        let mut node = alloc::vec![NONE; part_count];
-        let (mut start, mut vertices) = (Vec::with_capacity(part_count + 1), Vec::new());
-        start.push(0);
-        for (part, node) in node.iter_mut().enumerate() {
-            let h = beginning(&finer, scheme, part);
-            if let Some(h) =
-                h.filter(|&h| is_covered(&finer, &next, h) && is_small(&finer, &next, h))
-            {
-                let found = gatherer.gather(h);
-                vertices.extend(&found.vertices[..found.value_count]);
-                *node = graph.node(found, &next)?;
-            }
-            let end = u32::try_from(vertices.len())
-                .map_err(|_| Error::TooLarge { halfedges: vertices.len() as u64 })?;
-            start.push(end);
-        }
+        let parts = Parts::new(&finer, &next, MOST_FACES)?;
         let boundary = if scheme == Scheme::DooSabin { boundary(topology) } else { Vec::new() };
-        Ok(Self {
-            coarse: topology,
-            boundary,
-            scheme,
-            finer,
-            next,
-            first,
-            graph,
-            node,
-            start,
-            vertices,
-        })
+        Ok(Self { coarse: topology, boundary, scheme, finer, next, first, parts })
     }
 
     /// The surface at a place, for control points `points`.
@@ -244,11 +212,10 @@ impl<'t> Evaluator<'t> {
             }));
         };
         let (at, jacobian) = (place.at, place.jacobian);
-        if self.node[place.part] != NONE {
-            let range = self.start[place.part] as usize..self.start[place.part + 1] as usize;
-            fill(&self.vertices[range]);
-            let node = self.node[place.part];
-            return Ok(self.graph.sample(self.scheme, node, values, at, jacobian));
+        let node = self.parts.node[place.part];
+        if node != NONE {
+            fill(self.parts.vertices(place.part));
+            return Ok(self.parts.graph.sample(self.scheme, node, values, at, jacobian));
         }
         let found = self.look_at(place.part, location)?;
         fill(&found.vertices[..found.value_count]);
@@ -370,51 +337,4 @@ fn boundary_images(topology: &Topology, boundary: &[HalfedgeId], h: HalfedgeId) 
     let before = boundary.partition_point(|&g| g < h);
     let first = topology.halfedge_count() as u32 + 2 * before as u32;
     [first, first + 1]
-}
-
-/// The half-edge that a part begins with.
-fn beginning(finer: &Topology, scheme: Scheme, part: usize) -> Option<HalfedgeId> {
-    match scheme {
-        Scheme::Loop | Scheme::Butterfly => Some(HalfedgeId(3 * part as u32)),
-        Scheme::CatmullClark | Scheme::Kobbelt => Some(HalfedgeId(4 * part as u32)),
-        Scheme::DooSabin => {
-            let v = VertexId(part as u32);
-            // The face that is the image of a face comes first.
-            if finer.is_boundary(v) { finer.outgoing(v) } else { Some(HalfedgeId(v.0)) }
-        }
-    }
-}
-
-/// Whether there is a surface at a part.
-fn is_covered(finer: &Topology, next: &Rules, h: HalfedgeId) -> bool {
-    if next.scheme != Scheme::DooSabin {
-        return true;
-    }
-    let v = finer.origin(h);
-    if finer.is_boundary(v) {
-        next.border == Border::Bspline && finer.fan_size(v) == 2
-    } else {
-        finer.fan_size(v) == 4
-    }
-}
-
-/// Whether few faces surround a part.
-fn is_small(finer: &Topology, next: &Rules, h: HalfedgeId) -> bool {
-    let face = finer.face_vertices(finer.face(h));
-    let around = |v: VertexId| -> u64 {
-        let own = u64::from(finer.fan_size(v));
-        if next.scheme != Scheme::Loop || !finer.is_boundary(v) {
-            return own;
-        }
-        let (a, b) = crate::rules::boundary_neighbours(finer, v);
-        own + u64::from(finer.fan_size(a)) + u64::from(finer.fan_size(b))
-    };
-    let count: u64 = match next.scheme {
-        Scheme::DooSabin => finer
-            .fan(finer.origin(h))
-            .map(|g| finer.face_halfedges(finer.face(g)).len() as u64)
-            .sum(),
-        _ => face.iter().map(|&v| around(v)).sum(),
-    };
-    count <= u64::from(MOST_FACES)
 }

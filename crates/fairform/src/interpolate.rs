@@ -8,16 +8,18 @@ use core::str::FromStr;
 
 use crate::crease::Kind;
 use crate::error::Error;
-use crate::fair::Fairing;
+use crate::fair::{Energy, Fairing};
 use crate::ids::{NONE, VertexId};
 use crate::limit::operator::{RingOperator, RowOperator};
 use crate::limit::{self, LimitRows, limit_points};
 use crate::mesh::Bounds;
 use crate::refine::DooSabinRows;
+use crate::rows::Rows as _;
 use crate::rules::BoundaryKinds;
 use crate::scheme::loop_scheme::{BoundaryKind, boundary_scale};
-use crate::scheme::{Rules, Scheme, catmull_clark, doo_sabin, loop_scheme};
+use crate::scheme::{Border, Rules, Scheme, catmull_clark, doo_sabin, loop_scheme};
 use crate::solve::{Interval, LinearOperator, Outcome, Report, Step, Stop};
+use crate::tension::Shares;
 use crate::{Mesh, Topology, Vec3, order, par, rows, solve};
 
 #[cfg(not(feature = "direct"))]
@@ -178,6 +180,8 @@ pub struct Options {
     /// How fair [`fit_mesh`] is to make the surface, from 0 (the plain interpolant) to 1 (the
     /// fairest), see [`fair`](crate::fair). Implies [`exact`](Self::exact).
     pub fair: Option<f64>,
+    /// What [`fair`](Self::fair) minimises.
+    pub energy: Energy,
 }
 
 impl Default for Options {
@@ -189,6 +193,7 @@ impl Default for Options {
             iterations: 10_000,
             exact: false,
             fair: None,
+            energy: Energy::default(),
         }
     }
 }
@@ -199,6 +204,7 @@ impl Options {
             let (what, expected) = ("the fairness", "between 0 and 1");
             return Err(Error::BadOption { what, expected, value });
         }
+        self.energy.check()?;
         match self.tolerance {
             Some(value) if !(value > 0.0 && value.is_finite()) => Err(Error::BadOption {
                 what: "the tolerance",
@@ -220,6 +226,9 @@ pub enum StageName {
     Boundary,
     /// All others, with the boundary known.
     Interior,
+    /// Fairing, which comes last and is no stage of a report. Its errors are about how far points still
+    /// have to go.
+    Fairing,
 }
 
 impl StageName {
@@ -230,6 +239,7 @@ impl StageName {
             Self::Closed => "closed",
             Self::Boundary => "boundary",
             Self::Interior => "interior",
+            Self::Fairing => "fairing",
         }
     }
 }
@@ -266,7 +276,7 @@ pub struct FitReport {
     /// Largest distance, in the chosen norm, that the push-back had to move a limit point after the
     /// stages were done; `None` if there was none. [`max`](Self::max) is what is left after it.
     pub pushed_back: Option<f64>,
-    /// What fairing did, if it was asked for.
+    /// What fairing did, if it was asked for. Its energies are in units of [`unit`](Self::unit) squared.
     pub fairing: Option<Fairing>,
 }
 
@@ -360,24 +370,43 @@ impl<'t> Interpolator<'t> {
             let name = if closed { StageName::Closed } else { StageName::Interior };
             let mut known = [parts.known, parts.curves].concat();
             known.sort_unstable();
-            stages.push(if rules.scheme == Scheme::Loop && rules.creases.is_none() {
-                ring_stage(topology, name, parts.others, &known)
-            } else {
-                let bound = interior_bound(topology, rules, &parts.others);
-                let mut vertices = order::by_locality(topology, parts.others);
-                let count = vertices.len();
-                vertices.extend(known);
-                row_stage(topology, rules, name, vertices, count, bound)
-            });
+            stages.push(
+                if rules.scheme == Scheme::Loop
+                    && rules.creases.is_none()
+                    && rules.tension.is_none()
+                {
+                    ring_stage(topology, name, parts.others, &known)
+                } else {
+                    let bound = interior_bound(topology, rules, &parts.others);
+                    let mut vertices = order::by_locality(topology, parts.others);
+                    let count = vertices.len();
+                    vertices.extend(known);
+                    row_stage(topology, rules, name, vertices, count, bound)
+                },
+            );
         }
         Ok(Self { topology, rules, stages })
+    }
+
+    /// The stages in order: which vertices, how many, and a lower bound for the eigenvalues of the
+    /// limit operator among them, of which the upper bound is 1. Where the bound is not positive,
+    /// nothing is known.
+    pub fn stages(&self) -> impl Iterator<Item = (StageName, usize, f64)> {
+        self.stages.iter().map(|stage| {
+            let bound = match &stage.operator {
+                StageOperator::Ring(operator) => operator.smallest_eigenvalue_bound(),
+                StageOperator::Rows(operator) => operator.smallest_eigenvalue_bound(),
+            };
+            (stage.name, stage.unknown_count(), bound)
+        })
     }
 
     /// The control values whose limit values are `target`, and what it took.
     ///
     /// # Errors
     /// [`Error::BadOption`]; [`Error::NotSymmetric`] for conjugate gradients and factorising beside
-    /// creases that end or fade; [`Error::NotDefinite`] and [`Error::FactorTooLarge`] for factorising; [`Error::Interrupted`] if the observer breaks. Not converging is no error: the
+    /// creases that end or fade, and on boundaries of Loop's scheme in two phases where shape parameters
+    /// differ; [`Error::NotDefinite`] and [`Error::FactorTooLarge`] for factorising; [`Error::Interrupted`] if the observer breaks. Not converging is no error: the
     /// report says so.
     ///
     /// # Panics
@@ -409,7 +438,22 @@ impl<'t> Interpolator<'t> {
             norm => norm.unit(&bounds),
         };
         let stop = Stop { tolerance: options.tolerance, unit, max_updates: options.iterations };
-        Ok(Scaled { target, exponent, stop })
+        if self.rules.border != Border::None {
+            return Ok(Scaled { start: None, target, exponent, stop });
+        }
+        // Support is to stay as given: its limit points, which depend on the boundary alone, then are
+        // what the given points make of it.
+        let start = target;
+        let rows = LimitRows::new(self.topology, self.rules);
+        let target = par::collect(start.len(), |v| {
+            if !self.rules.is_support(self.topology, VertexId(v as u32)) {
+                return start[v];
+            }
+            let mut sum = Vec3::ZERO;
+            rows.visit(v, |q, weight| sum += weight * start[q as usize]);
+            sum
+        });
+        Ok(Scaled { start: Some(start), target, exponent, stop })
     }
 
     /// Control values for scaled targets, all stages one after the other.
@@ -420,7 +464,7 @@ impl<'t> Interpolator<'t> {
         stop: Stop,
         observer: &mut Observer<'_>,
     ) -> Result<(Vec<Vec3>, Vec<StageReport>), Error> {
-        let mut control = scaled.target.clone();
+        let mut control = scaled.start.as_ref().unwrap_or(&scaled.target).clone();
         let mut stages = Vec::new();
         for stage in &self.stages {
             let name = stage.name;
@@ -449,7 +493,8 @@ impl<'t> Interpolator<'t> {
     fn residual(&self, target: &[Vec3], limit: &[Vec3]) -> (f64, f64) {
         let blocks = par::blocks(limit.len(), |range| {
             range.fold((0.0_f64, 0.0, 0_usize), |(max, sum, count), v| {
-                if self.topology.is_isolated(VertexId(v as u32)) {
+                let id = VertexId(v as u32);
+                if self.topology.is_isolated(id) || self.rules.is_support(self.topology, id) {
                     return (max, sum, count);
                 }
                 let distance = (target[v] - limit[v]).length();
@@ -464,6 +509,9 @@ impl<'t> Interpolator<'t> {
 
 /// Targets divided by a power of two, and when to stop in that scale.
 struct Scaled {
+    /// The given values, if some of them are support.
+    start: Option<Vec<Vec3>>,
+    /// The limit values to reach.
     target: Vec<Vec3>,
     exponent: i32,
     stop: Stop,
@@ -600,7 +648,8 @@ impl Parts {
         if rules.creases.is_none() {
             let sharp = rules.sharpness(topology);
             for v in topology.vertices().filter(|&v| !topology.is_isolated(v)) {
-                let is_known = rules.scheme != Scheme::DooSabin && sharp.vertex(v) > 0.0;
+                let is_known = rules.scheme != Scheme::DooSabin
+                    && (sharp.vertex(v) > 0.0 || rules.is_support(topology, v));
                 let list = match topology.is_boundary(v) {
                     true if is_known => &mut known,
                     true => &mut curves,
@@ -624,9 +673,12 @@ impl Parts {
             on_curve[v.index()] =
                 !topology.is_isolated(v) && row(v.0).len() <= 3 && sharp.kind(v, 0) != Kind::Smooth;
         }
+        let is_support = |v: VertexId| rules.is_support(topology, v);
         loop {
             let outside = |v: &VertexId| {
-                on_curve[v.index()] && row(v.0).iter().any(|e| !on_curve[e.0 as usize])
+                on_curve[v.index()]
+                    && !is_support(*v)
+                    && row(v.0).iter().any(|e| !on_curve[e.0 as usize])
             };
             let dropped: Vec<VertexId> = topology.vertices().filter(outside).collect();
             if dropped.is_empty() {
@@ -636,6 +688,7 @@ impl Parts {
         }
         for v in topology.vertices().filter(|&v| !topology.is_isolated(v)) {
             let list = match on_curve[v.index()] {
+                _ if is_support(v) => &mut known,
                 true if row(v.0).len() == 1 => &mut known,
                 true => &mut curves,
                 false => &mut others,
@@ -655,8 +708,14 @@ struct Bound {
 
 fn curve_bound(topology: &Topology, rules: &Rules) -> Bound {
     let guaranteed = match (rules.scheme, &rules.tension) {
-        (Scheme::Loop, _) => loop_scheme::BOUNDARY_SMALLEST_EIGENVALUE,
-        (Scheme::CatmullClark, _) => catmull_clark::CURVE_SMALLEST_EIGENVALUE,
+        (Scheme::Loop, None) => loop_scheme::BOUNDARY_SMALLEST_EIGENVALUE,
+        (Scheme::CatmullClark, None) => catmull_clark::CURVE_SMALLEST_EIGENVALUE,
+        (Scheme::Loop, Some(_)) => {
+            let largest = largest_share(topology, rules);
+            // What an even loop of extraordinary vertices has at one share for all.
+            return Bound { guaranteed: 0.6 - 0.4 * largest, usual: 0.6 - 0.3 * largest };
+        }
+        (Scheme::CatmullClark, Some(_)) => (2.0 - largest_share(topology, rules)) / 3.0,
         // Nothing is solved for: all vertices are known.
         (Scheme::Butterfly | Scheme::Kobbelt, _) => 1.0,
         (Scheme::DooSabin, None) => doo_sabin::CHAIKIN,
@@ -681,12 +740,21 @@ fn interior_bound(topology: &Topology, rules: &Rules, vertices: &[u32]) -> Bound
     let smallest = fans().min().unwrap_or(6);
     match (rules.scheme, &rules.tension) {
         // Beside creases the bounds of the smooth rules hold in practice.
-        (Scheme::Loop, _) => Bound {
+        (Scheme::Loop, None) => Bound {
             guaranteed: loop_scheme::smallest_eigenvalue_bound(smallest.max(2)),
-            usual: 0.2,
+            usual: LOOP_USUAL,
         },
-        (Scheme::CatmullClark, _) => {
-            Bound { guaranteed: catmull_clark::smallest_eigenvalue_bound(smallest), usual: 0.1 }
+        (Scheme::CatmullClark, None) => Bound {
+            guaranteed: catmull_clark::smallest_eigenvalue_bound(smallest),
+            usual: CATMULL_CLARK_USUAL,
+        },
+        (Scheme::Loop, Some(_)) => {
+            let bound = |n: u32, share| loop_scheme::two_phase_eigenvalue_bound(n.max(2), share);
+            two_phase_bound(topology, rules, vertices, LOOP_USUAL, bound)
+        }
+        (Scheme::CatmullClark, Some(_)) => {
+            let bound = catmull_clark::two_phase_eigenvalue_bound;
+            two_phase_bound(topology, rules, vertices, CATMULL_CLARK_USUAL, bound)
         }
         (Scheme::Butterfly | Scheme::Kobbelt, _) => Bound { guaranteed: 1.0, usual: 1.0 },
         (Scheme::DooSabin, None) => {
@@ -702,6 +770,40 @@ fn interior_bound(topology: &Topology, rules: &Rules, vertices: &[u32]) -> Bound
             Bound { guaranteed, usual: guaranteed }
         }
     }
+}
+
+/// Lower ends of the spectrum that meshes have in practice, of interior vertices.
+const LOOP_USUAL: f64 = 0.2;
+const CATMULL_CLARK_USUAL: f64 = 0.1;
+
+/// The largest share of the plain scheme in two phases.
+fn largest_share(topology: &Topology, rules: &Rules) -> f64 {
+    rules.shares(topology).map_or(1.0, Shares::largest)
+}
+
+/// The bounds in two phases, from that of one vertex by its valence and the share of the plain scheme.
+fn two_phase_bound(
+    topology: &Topology,
+    rules: &Rules,
+    vertices: &[u32],
+    usual: f64,
+    bound: impl Fn(u32, f64) -> f64,
+) -> Bound {
+    let smallest = |share: &dyn Fn(VertexId, u32) -> f64| {
+        let one = |&v: &u32| {
+            let v = VertexId(v);
+            let n = topology.fan_size(v);
+            bound(n, share(v, n))
+        };
+        vertices.iter().map(one).fold(1.0, f64::min)
+    };
+    let shares = rules.shares(topology);
+    let mean = |v, n| shares.map_or(1.0, |s| s.around(v) / f64::from(n));
+    // The smallest eigenvalue falls with every share, and is concave: at one share for all it is not
+    // below what lies between the plain scheme and linear subdivision.
+    let largest = largest_share(topology, rules);
+    let usual = largest * usual + (1.0 - largest) * smallest(&|_, _| 0.0);
+    Bound { guaranteed: smallest(&mean), usual }
 }
 
 /// A stage on the limit rows as they are, of the first `count` of `vertices`; the others are known.
@@ -737,7 +839,10 @@ fn row_stage(
         rows::gather(&rows, vertices[i] as usize, entries);
     };
     let scales = vertices[..count].iter().map(|&v| scale(VertexId(v))).collect();
-    let operator = RowOperator::new(count, row, &local, scales, bound.guaranteed, bound.usual);
+    let mut operator = RowOperator::new(count, row, &local, scales, bound.guaranteed, bound.usual);
+    if rules.scheme == Scheme::Loop && rules.tension.is_some() && name == StageName::Boundary {
+        operator.find_scale();
+    }
     Stage { name, operator: StageOperator::Rows(operator), vertices }
 }
 

@@ -5,11 +5,12 @@ use alloc::vec::Vec;
 use crate::crease::{Kind, Sharpness};
 use crate::error::Error;
 use crate::ids::VertexId;
-use crate::refine::DooSabinRows;
+use crate::refine::{DooSabinRows, PhaseOne};
 use crate::rows::{self, Rows};
 use crate::rules::{BoundaryKinds, by_valence};
-use crate::scheme::loop_scheme::limit_weight;
+use crate::scheme::loop_scheme::{BoundaryKind, boundary_limit_weight, limit_weight};
 use crate::scheme::{Border, Rules, Scheme, catmull_clark};
+use crate::tension::Shares;
 use crate::{Stencils, Topology, Vec3};
 
 mod interpolating;
@@ -18,9 +19,9 @@ mod normals;
 pub(crate) mod operator;
 
 pub(crate) use normals::side_tangents;
-pub use normals::{limit_normals, limit_tangents};
+pub use normals::{limit_corner_normals, limit_normals, limit_tangents};
 
-use local::Local;
+use local::{Local, local_rows};
 
 /// The rows that take control points to the limit points of the vertices, one row per vertex. An
 /// isolated vertex is its own limit point, as is every vertex in an interpolating scheme.
@@ -77,6 +78,8 @@ pub(crate) struct LimitRows<'t> {
     /// Loop: weight of the vertex by valence.
     centre: Vec<f64>,
     images: Option<DooSabinRows<'t>>,
+    /// Loop and Catmull–Clark in two phases.
+    phase_one: Option<(PhaseOne<'t>, Shares<'t>)>,
 }
 
 impl<'t> LimitRows<'t> {
@@ -86,7 +89,8 @@ impl<'t> LimitRows<'t> {
             _ => Vec::new(),
         };
         let images = (rules.scheme == Scheme::DooSabin).then(|| DooSabinRows::new(topology, rules));
-        Self { rules, sharp: rules.sharpness(topology), centre, images }
+        let phase_one = PhaseOne::new(topology, rules).zip(rules.shares(topology));
+        Self { rules, sharp: rules.sharpness(topology), centre, images, phase_one }
     }
 
     fn curve(&self, v: VertexId, ends: [VertexId; 2], entry: &mut impl FnMut(u32, f64)) {
@@ -121,6 +125,54 @@ impl<'t> LimitRows<'t> {
         }
     }
 
+    /// [`curve`](Self::curve) in two phases: phase one and then the mask of the finer curve.
+    fn two_phase_curve(&self, v: VertexId, shares: Shares<'_>, entry: &mut impl FnMut(u32, f64)) {
+        let topology = self.sharp.topology;
+        let on_boundary = self.rules.scheme == Scheme::Loop && topology.is_boundary(v);
+        let kinds = BoundaryKinds { topology, corners: self.rules.corners };
+        let end = match kinds.of(v).filter(|_| on_boundary) {
+            // All new points on the boundary are regular.
+            Some(kind) => boundary_limit_weight(kind, BoundaryKind::Regular),
+            None => catmull_clark::CURVE_LIMIT[1],
+        };
+        let mut own = 1.0;
+        for (e, q) in self.sharp.sharp_edges(v, 0) {
+            let share = shares.edge(e);
+            let bias = if on_boundary { kinds.edge_weights(v, q)[1] - 0.5 } else { 0.0 };
+            let weight = (1.0 - 2.0 * end) * catmull_clark::CURVE_VERTEX[1] * share
+                + end * (0.5 + bias * share);
+            own -= weight;
+            entry(q.0, weight);
+        }
+        entry(v.0, own);
+    }
+
+    /// [`smooth`](Self::smooth) in two phases, in closed form.
+    fn two_phase_smooth(&self, v: VertexId, shares: Shares<'_>, entry: &mut impl FnMut(u32, f64)) {
+        let topology = self.sharp.topology;
+        let (n, around) = (topology.fan_size(v), shares.around(v));
+        let size = f64::from(n);
+        if self.rules.scheme == Scheme::Loop {
+            let own = self.centre[n as usize];
+            let each = (1.0 - own) / size;
+            entry(v.0, own + 0.5 * each * (size - around));
+            for h in topology.fan(v) {
+                let weight = 0.25 * each * (1.0 + shares.face(topology.face(h)));
+                entry(topology.target(h).0, weight);
+                entry(topology.origin(topology.prev(h)).0, weight);
+            }
+        } else {
+            let whole = size * (size + 5.0);
+            entry(v.0, (size * (size + 2.0) - 3.0 * around) / whole);
+            topology.ring(v).for_each(|q| entry(q.0, 2.0 / whole));
+            for h in topology.fan(v) {
+                let f = topology.face(h);
+                let weight = (1.0 + 3.0 * shares.face(f)) / whole;
+                crate::refine::centroid(topology, f, weight, entry);
+            }
+        }
+    }
+
     /// The centroids of the faces at a vertex, with weights by their place.
     fn faces(&self, v: VertexId, weight: impl Fn(usize) -> f64, entry: &mut impl FnMut(u32, f64)) {
         let topology = self.sharp.topology;
@@ -131,6 +183,14 @@ impl<'t> LimitRows<'t> {
 
     /// By refining the neighbourhood, where no mask is known.
     fn special(&self, v: VertexId, local: &Local, entry: &mut impl FnMut(u32, f64)) {
+        if let Some((phase_one, _)) = &self.phase_one {
+            let weights = local.next().limit_row();
+            let rows = local_rows(self.sharp, self.rules.scheme, v);
+            for (row, weight) in rows.zip(weights).filter(|r| r.1 != 0.0) {
+                phase_one.visit(row, |q, w| entry(q, weight * w));
+            }
+            return;
+        }
         let row = local.limit_row();
         let m = local.edges.len();
         entry(v.0, row[0]);
@@ -163,7 +223,9 @@ impl Rows for LimitRows<'_> {
     }
 
     fn by_ring(&self) -> Option<&Topology> {
-        let plain = self.rules.scheme == Scheme::Loop && self.sharp.creases.is_none();
+        let plain = self.rules.scheme == Scheme::Loop
+            && self.sharp.creases.is_none()
+            && self.phase_one.is_none();
         plain.then_some(self.sharp.topology)
     }
 
@@ -193,10 +255,13 @@ impl Rows for LimitRows<'_> {
                 return self.special(v, &local, &mut entry);
             }
         }
-        match self.sharp.kind(v, 0) {
-            Kind::Corner => entry(v.0, 1.0),
-            Kind::Crease(ends) => self.curve(v, ends, &mut entry),
-            Kind::Smooth => self.smooth(v, &mut entry),
+        let shares = self.phase_one.as_ref().map(|p| p.1);
+        match (self.sharp.kind(v, 0), shares) {
+            (Kind::Corner, _) => entry(v.0, 1.0),
+            (Kind::Crease(ends), None) => self.curve(v, ends, &mut entry),
+            (Kind::Crease(_), Some(shares)) => self.two_phase_curve(v, shares, &mut entry),
+            (Kind::Smooth, None) => self.smooth(v, &mut entry),
+            (Kind::Smooth, Some(shares)) => self.two_phase_smooth(v, shares, &mut entry),
         }
     }
 }

@@ -3,10 +3,13 @@
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
+use crate::crease::{Kind, Sharpness};
 use crate::error::Error;
-use crate::ids::{FaceId, HalfedgeId};
-use crate::rows;
-use crate::scheme::{Rules, Scheme};
+use crate::ids::{FaceId, HalfedgeId, VertexId};
+use crate::rows::{self, Rows};
+use crate::scheme::catmull_clark::CURVE_VERTEX;
+use crate::scheme::{Border, Rules, Scheme};
+use crate::tension::Shares;
 use crate::{Mesh, Stencils, Topology, Vec3};
 
 mod butterfly_step;
@@ -16,11 +19,11 @@ mod kobbelt_step;
 mod loop_step;
 
 pub(crate) use butterfly_step::ButterflyRows;
-use catmull_clark_step::CatmullClarkRows;
+pub(crate) use catmull_clark_step::CatmullClarkRows;
 pub(crate) use catmull_clark_step::centroid;
 pub(crate) use doo_sabin_step::{DooSabinRows, boundary_numbers};
 pub(crate) use kobbelt_step::KobbeltRows;
-use loop_step::LoopRows;
+pub(crate) use loop_step::LoopRows;
 
 /// One refinement step: the finer topology, and how values are carried over to it.
 #[derive(Clone, PartialEq, Debug)]
@@ -53,8 +56,70 @@ pub fn refine<'t>(topology: &'t Topology, rules: &'t Rules) -> Result<Refined<'t
         [finer.edge(HalfedgeId(a)), finer.edge(HalfedgeId(b))]
     };
     let creases = rules.creases.as_ref().map(|c| Arc::new(c.refined(&finer, halves)));
-    let next = Rules { tension: None, creases, ..rules.clone() };
+    // The faces at the finer boundary are not all that were support.
+    let border = if rules.border == Border::None { Border::Bspline } else { rules.border };
+    let next = Rules { tension: None, creases, border, ..rules.clone() };
     Ok(Refined { coarse: topology, rules, topology: finer, next })
+}
+
+/// Phase one at a vertex: its rules blended by sharpness, each blended with linear subdivision, which
+/// leaves the vertex where it is. `smooth(share, entry)` tells the smooth rule.
+fn two_phase_vertex<E: FnMut(u32, f64)>(
+    sharp: Sharpness<'_>,
+    shares: Shares<'_>,
+    v: VertexId,
+    entry: &mut E,
+    smooth: impl Fn(f64, &mut E),
+) {
+    for (steps, (kind, share)) in (0..).zip(sharp.blend(v)).filter(|(_, b)| b.1 > 0.0) {
+        match kind {
+            Kind::Corner => entry(v.0, share),
+            Kind::Crease(_) => {
+                let mut own = share;
+                for (e, q) in sharp.sharp_edges(v, steps) {
+                    let weight = CURVE_VERTEX[1] * shares.edge(e) * share;
+                    own -= weight;
+                    entry(q.0, weight);
+                }
+                entry(v.0, own);
+            }
+            Kind::Smooth => smooth(share, entry),
+        }
+    }
+}
+
+/// The first step of Loop's or Catmull and Clark's scheme in two phases: vertices, points on edges, and
+/// for Catmull–Clark those in faces.
+pub(crate) enum PhaseOne<'t> {
+    Loop(LoopRows<'t>),
+    CatmullClark(CatmullClarkRows<'t>),
+}
+
+impl<'t> PhaseOne<'t> {
+    /// `None` if there is no second phase, or the scheme is another.
+    pub(crate) fn new(topology: &'t Topology, rules: &'t Rules) -> Option<Self> {
+        rules.shares(topology)?;
+        Some(match rules.scheme {
+            Scheme::Loop => Self::Loop(LoopRows::new(topology, rules)),
+            _ => Self::CatmullClark(CatmullClarkRows::new(topology, rules)),
+        })
+    }
+}
+
+impl Rows for PhaseOne<'_> {
+    fn len(&self) -> usize {
+        match self {
+            Self::Loop(rows) => rows.len(),
+            Self::CatmullClark(rows) => rows.len(),
+        }
+    }
+
+    fn visit(&self, row: usize, entry: impl FnMut(u32, f64)) {
+        match self {
+            Self::Loop(rows) => rows.visit(row, entry),
+            Self::CatmullClark(rows) => rows.visit(row, entry),
+        }
+    }
 }
 
 impl Refined<'_> {

@@ -7,9 +7,10 @@ use core::fmt;
 use core::str::FromStr;
 
 use crate::Topology;
-use crate::crease::{Creases, Sharpness};
+use crate::crease::{Creases, INFINITE, Sharpness};
 use crate::error::Error;
 use crate::ids::{FaceId, VertexId};
+use crate::tension::Shares;
 
 pub mod butterfly;
 pub mod catmull_clark;
@@ -90,15 +91,19 @@ pub enum Corners {
     Sharp,
 }
 
-/// What Doo and Sabin's scheme does at the boundary.
+/// What becomes of the boundary.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Border {
-    /// A boundary edge counts as a face with two corners, so the boundary becomes a quadratic
-    /// B-spline of its own vertices.
+    /// The boundary becomes a B-spline of its own vertices: cubic, and for Doo and Sabin's scheme,
+    /// where a boundary edge counts as a face with two corners, quadratic.
     #[default]
     Bspline,
-    /// Only inner edges and vertices make faces; the mesh shrinks by half a face per step.
+    /// Doo–Sabin: only inner edges and vertices make faces; the mesh shrinks by half a face per step.
     Drop,
+    /// Faces at the boundary are support: they are refined as with [`Bspline`](Self::Bspline), but no
+    /// surface corresponds to them, see [`Rules::has_surface`]. Interpolation keeps the control points
+    /// of their boundary vertices as given. OpenSubdiv's "none"; not for Doo–Sabin.
+    None,
 }
 
 /// A scheme with its choices, and what it needs to know of a mesh besides the connectivity.
@@ -108,10 +113,13 @@ pub struct Rules {
     pub scheme: Scheme,
     /// What happens at corners of the boundary.
     pub corners: Corners,
-    /// What Doo and Sabin's scheme does at the boundary.
+    /// What becomes of the boundary.
     pub border: Border,
-    /// Shape parameter of each face in $`(0, 1]`$, for a first Doo–Sabin step in two phases: near 1
-    /// the surface hugs the mesh, around 1/2 it is roundest. `None` is the plain scheme.
+    /// Shape parameter $`\lambda`$ of each face, for a first step in two phases: towards 1 the surface
+    /// hugs the mesh, around 1/2 it is roundest. For Doo–Sabin in $`(0, 1]`$, see
+    /// [`doo_sabin::phase_one_weights`]; for Loop and Catmull–Clark in $`[1/2, 1]`$, from the plain
+    /// scheme to linear subdivision in the first step, see [`loop_scheme`] and [`catmull_clark`].
+    /// `None` is the plain scheme.
     pub tension: Option<Arc<[f64]>>,
     /// Sharp edges and vertices; for Loop and Catmull–Clark.
     pub creases: Option<Arc<Creases>>,
@@ -173,11 +181,18 @@ impl Rules {
             }
             Scheme::CatmullClark | Scheme::DooSabin => {}
         }
-        if let Some(tension) = &self.tension {
-            if self.scheme != Scheme::DooSabin {
-                return Err(Error::NotForScheme { what: "a shape parameter per face", scheme });
+        match (self.border, self.scheme) {
+            (Border::Drop, Scheme::DooSabin) | (Border::Bspline, _) => {}
+            (Border::Drop, _) => {
+                return Err(Error::NotForScheme { what: "a boundary that is dropped", scheme });
             }
-            check_tension(tension, topology.face_count())?;
+            (Border::None, Scheme::DooSabin) => {
+                return Err(Error::NotForScheme { what: "a boundary that is support", scheme });
+            }
+            (Border::None, _) => {}
+        }
+        if let Some(tension) = &self.tension {
+            self.check_tension(tension, topology.face_count())?;
         }
         if let Some(creases) = &self.creases {
             if !matches!(self.scheme, Scheme::Loop | Scheme::CatmullClark) {
@@ -210,6 +225,61 @@ impl Rules {
         warnings
     }
 
+    /// Whether a surface corresponds to each face: to all but those at the boundary with
+    /// [`Border::None`]. As in OpenSubdiv, a boundary vertex takes the surface from its faces unless both
+    /// its boundary edges are creases of infinite sharpness.
+    #[must_use]
+    pub fn has_surface(&self, topology: &Topology) -> Vec<bool> {
+        let mut has_surface = alloc::vec![true; topology.face_count()];
+        for v in topology.vertices().filter(|&v| self.is_support(topology, v)) {
+            topology.fan(v).for_each(|h| has_surface[topology.face(h).index()] = false);
+        }
+        has_surface
+    }
+
+    /// Whether a vertex has control points but no surface.
+    pub(crate) fn is_support(&self, topology: &Topology, v: VertexId) -> bool {
+        let is_sharp =
+            |h| self.creases.as_ref().is_some_and(|c| c.edge(topology.edge(h)) >= INFINITE);
+        self.border == Border::None
+            && topology.is_boundary(v)
+            && !topology.fan(v).all(|h| {
+                let back = topology.prev(h);
+                (topology.twin(h).is_some() || is_sharp(h))
+                    && (topology.twin(back).is_some() || is_sharp(back))
+            })
+    }
+
+    fn check_tension(&self, tension: &[f64], face_count: usize) -> Result<(), Error> {
+        let scheme = self.scheme.name();
+        let (smallest, expected) = match self.scheme {
+            Scheme::DooSabin => (f64::MIN_POSITIVE, "above 0 and at most 1"),
+            Scheme::Loop | Scheme::CatmullClark => (0.5, "from 0.5 to 1"),
+            Scheme::Butterfly | Scheme::Kobbelt => {
+                return Err(Error::NotForScheme { what: "a shape parameter per face", scheme });
+            }
+        };
+        if tension.len() != face_count {
+            let what = "shape parameters of faces";
+            return Err(Error::WrongCount { what, expected: face_count });
+        }
+        match tension.iter().position(|x| !(smallest..=1.0).contains(x)) {
+            Some(f) => {
+                let (face, value) = (FaceId(f as u32), tension[f]);
+                Err(Error::BadTension { face, value, scheme, expected })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// The shares of the plain scheme in a first step of Loop's or Catmull and Clark's scheme in two
+    /// phases.
+    pub(crate) fn shares<'a>(&'a self, topology: &'a Topology) -> Option<Shares<'a>> {
+        let is_split = matches!(self.scheme, Scheme::Loop | Scheme::CatmullClark);
+        let lambda = self.tension.as_deref().filter(|_| is_split)?;
+        Some(Shares { topology, lambda })
+    }
+
     pub(crate) fn sharpness<'a>(&'a self, topology: &'a Topology) -> Sharpness<'a> {
         Sharpness { topology, corners: self.corners, creases: self.creases.as_deref() }
     }
@@ -222,17 +292,6 @@ fn odd_face(topology: &Topology, size: u32) -> Option<(FaceId, usize)> {
     }
     let with_count = |f| (f, topology.face_halfedges(f).len());
     topology.faces().map(with_count).find(|(_, count)| *count != size as usize)
-}
-
-fn check_tension(tension: &[f64], face_count: usize) -> Result<(), Error> {
-    if tension.len() != face_count {
-        let what = "shape parameters of faces";
-        return Err(Error::WrongCount { what, expected: face_count });
-    }
-    match tension.iter().position(|&x| !(x > 0.0 && x <= 1.0)) {
-        Some(f) => Err(Error::BadTension { face: FaceId(f as u32), value: tension[f] }),
-        None => Ok(()),
-    }
 }
 
 /// Something that [`Rules`] allow, but that does not give a smooth surface.

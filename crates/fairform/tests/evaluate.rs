@@ -202,7 +202,7 @@ fn check_refinement(mesh: &Mesh, rules: &Rules, levels: u32, name: &str) {
         let samples = evaluator.evaluate_many(mesh.positions(), &locations).unwrap();
         let stencils;
         let limit = match next.border {
-            Border::Bspline => {
+            Border::Bspline | Border::None => {
                 limit::limit_points(fine.topology(), fine.positions(), next).unwrap()
             }
             // Only inner vertices have limit points: with the other border they are the same.
@@ -269,6 +269,21 @@ fn the_surface_is_the_limit_of_refinement_with_creases() {
             for scheme in [Scheme::Loop, Scheme::CatmullClark] {
                 let rules = with_creases(scheme, corners, &mesh, 77 + seed as u64);
                 check_refinement(&mesh, &rules, 4, name);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_surface_is_the_limit_of_refinement_in_two_phases() {
+    for (seed, (name, mesh)) in assorted().into_iter().enumerate() {
+        let lambda = mesh.topology().faces().map(|f| 0.5 + 0.125 * f64::from(f.0 % 5));
+        let tension: Option<std::sync::Arc<[f64]>> = Some(lambda.collect());
+        for scheme in [Scheme::Loop, Scheme::CatmullClark] {
+            let creased = with_creases(scheme, Corners::Smooth, &mesh, 177 + seed as u64);
+            for rules in [Rules::from(scheme), creased] {
+                let rules = Rules { tension: tension.clone(), ..rules };
+                check_refinement(&mesh, &rules, 3, name);
             }
         }
     }

@@ -3,49 +3,13 @@
 mod common;
 
 use common::{
-    assert_near, assorted, polygons, quad_sheet, quad_torus, random_creases, random_mesh,
+    assert_near, assorted, check_fit, check_step, limit_points, polygons, quad_sheet, quad_torus,
+    random_creases, random_mesh,
 };
 use fairform::interpolate::{Method, Options, interpolate};
-use fairform::refine::{check_size, refine, refine_mesh};
-use fairform::{
-    Border, Corners, Creases, Error, Mesh, Rules, Scheme, Topology, Vec3, VertexId, limit,
-};
+use fairform::refine::{refine, refine_mesh};
+use fairform::{Border, Corners, Creases, Error, Mesh, Rules, Scheme, Vec3, VertexId, limit};
 use proptest::prelude::*;
-
-fn limit_points(mesh: &Mesh, rules: &Rules) -> Vec<Vec3> {
-    limit::limit_points(mesh.topology(), mesh.positions(), rules).unwrap()
-}
-
-/// Closed form equals search, rows equal rule, weights sum to one, a step keeps the limit points.
-fn check_step(mesh: &Mesh, rules: &Rules, name: &str) {
-    let coarse = mesh.topology();
-    let step = refine(coarse, rules).unwrap();
-    let size = check_size(coarse, rules, 1).unwrap();
-    let finer = &step.topology;
-    assert!(finer.vertex_count() as u64 <= size.vertex_count, "{name}");
-    if rules.scheme == Scheme::CatmullClark {
-        assert_eq!(finer.edge_count() as u64, size.edge_count, "{name}");
-        let found = Topology::from_faces(finer.vertex_count(), &finer.to_faces()).unwrap();
-        assert_eq!(*finer, found, "{name}");
-    }
-    for f in finer.faces() {
-        assert!(step.parent(f).index() < coarse.face_count(), "{name}");
-    }
-    let stencils = step.stencils();
-    let positions = step.apply(mesh.positions());
-    assert_near(&stencils.apply(mesh.positions()), &positions, 4e-15, name);
-    for row in 0..stencils.row_count() {
-        let sum: f64 = stencils.row(row).map(|(_, w)| w).sum();
-        assert!((sum - 1.0).abs() < 1e-14, "{name} row {row}");
-    }
-    let rows = limit::limit_stencils(coarse, rules).unwrap();
-    let before = limit_points(mesh, rules);
-    assert_near(&rows.apply(mesh.positions()), &before, 4e-15, name);
-    if rules.scheme != Scheme::DooSabin {
-        let after = limit_points(&Mesh::from_parts(step.topology.into(), positions), &step.next);
-        assert_near(&after[..before.len()], &before, 1e-13, name);
-    }
-}
 
 fn catmull_clark(corners: Corners) -> Rules {
     Rules { corners, ..Scheme::CatmullClark.into() }
@@ -107,16 +71,6 @@ proptest! {
             check_fit(&mesh, &rules, method, "two phases");
         }
     }
-}
-
-fn check_fit(target: &Mesh, rules: &Rules, method: Method, name: &str) {
-    let options = Options { method, ..Options::default() };
-    let (control, report) = interpolate(target, rules, &options).unwrap();
-    assert!(report.is_converged(), "{name} {} {method}: {}", rules.scheme, report.max);
-    let limit = limit_points(&control, rules);
-    let off = limit.iter().zip(target.positions()).map(|(a, b)| (*a - *b).length());
-    let worst = off.fold(0.0, f64::max) / report.unit;
-    assert!(worst <= 1.01e-6, "{name} {} {method}: {worst:e}", rules.scheme);
 }
 
 #[test]
@@ -351,7 +305,7 @@ fn choices_that_do_not_fit_are_errors() {
     }
     let error = tension(vec![0.5; 5]).check(topology).unwrap_err();
     assert!(matches!(error, Error::WrongCount { expected: 6, .. }), "{error}");
-    let rules = Rules { scheme: Scheme::CatmullClark, ..tension(vec![0.5; 6]) };
+    let rules = Rules { scheme: Scheme::Kobbelt, ..tension(vec![0.5; 6]) };
     assert!(matches!(rules.check(topology).unwrap_err(), Error::NotForScheme { .. }));
     let sheet = quad_sheet(3, 3);
     let rules = Rules { border: Border::Drop, ..Scheme::DooSabin.into() };
@@ -387,16 +341,81 @@ fn eigenvalues_lie_between_0_and_1_for_any_parameters() {
             assert!((sum - 1.0).abs() < 1e-13);
         }
         assert!((0..n).all(|i| (0..i).all(|j| (s[i][j] - s[j][i]).abs() < 1e-12)), "symmetric");
-        // Cholesky's factorisation exists exactly for positive definite matrices.
-        for k in 0..n {
-            let pivot = s[k][k];
-            assert!(pivot > 1e-9, "seed {seed}: pivot {k} is {pivot}");
-            let upper = s[k].clone();
-            for line in &mut s[k + 1..] {
-                let factor = line[k] / pivot;
-                for (x, u) in line[k..].iter_mut().zip(&upper[k..]) {
-                    *x -= factor * u;
+        let pivot = common::smallest_pivot(s);
+        assert!(pivot > 1e-9, "seed {seed}: pivot {pivot}");
+    }
+}
+
+/// As in OpenSubdiv: faces at a boundary vertex are support, unless both its boundary edges are sharp for
+/// ever; their finer faces are those that descend from them.
+#[test]
+fn faces_at_the_boundary_may_be_support() {
+    let sheet = quad_sheet(5, 6);
+    let topology = sheet.topology();
+    let none = Rules { border: Border::None, ..Scheme::CatmullClark.into() };
+    let count = |rules: &Rules| rules.has_surface(topology).iter().filter(|has| **has).count();
+    assert_eq!(count(&Scheme::CatmullClark.into()), 20);
+    assert_eq!(count(&none), 6);
+    let mut creases = Creases::smooth(topology);
+    for e in topology.edges().filter(|&e| topology.is_boundary_edge(e)) {
+        let h = topology.edge_halfedge(e);
+        let on_side = [topology.origin(h), topology.target(h)].iter().all(|v| v.0 < 6);
+        creases.set_edge(e, if on_side { 10.0 } else { 9.9 }).unwrap();
+    }
+    // The four inner vertices of one side take part again; its ends do not.
+    assert_eq!(count(&Rules { creases: Some(creases.into()), ..none.clone() }), 9);
+    for scheme in [Scheme::DooSabin, Scheme::CatmullClark] {
+        let wrong = if scheme == Scheme::DooSabin { Border::None } else { Border::Drop };
+        let error = Rules { border: wrong, ..scheme.into() }.check(topology).unwrap_err();
+        assert!(matches!(error, Error::NotForScheme { .. }), "{scheme}");
+    }
+    let step = refine(topology, &none).unwrap();
+    assert_eq!(step.next.border, Border::Bspline);
+}
+
+/// A cube whose edges are sharp is flat on each side, and its corners know that.
+#[test]
+fn each_side_of_a_crease_has_its_normal() {
+    let cube = fairform::shapes::cube();
+    let topology = cube.topology();
+    let creases = Creases::by_angle(topology, cube.positions(), 30.0, 10.0).unwrap();
+    let rules = Rules { creases: Some(creases.into()), ..Scheme::CatmullClark.into() };
+    let (fine, rules) = refine_mesh(&cube, &rules, 2).unwrap();
+    let (topology, points) = (fine.topology(), fine.positions());
+    let normals = limit::limit_corner_normals(topology, points, &rules).unwrap();
+    for h in topology.halfedges() {
+        let corners: Vec<Vec3> =
+            topology.face_vertices(topology.face(h)).iter().map(|v| points[v.index()]).collect();
+        let flat = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
+        assert!((normals[h.index()] - flat).length() < 1e-12, "{h}");
+    }
+}
+
+/// Where nothing is parted, the normals of corners are those of their vertices; and the mean of the sides
+/// is the vertex's anyway.
+#[test]
+fn normals_of_corners_agree_with_those_of_vertices() {
+    for (name, mesh) in polygons() {
+        let topology = mesh.topology();
+        for share in [0, 40] {
+            let creases = random_creases(topology, 7, share);
+            let rules = Rules { creases: Some(creases.into()), ..Scheme::CatmullClark.into() };
+            let corners = limit::limit_corner_normals(topology, mesh.positions(), &rules).unwrap();
+            let normals = limit::limit_normals(topology, mesh.positions(), &rules).unwrap();
+            for v in topology.vertices() {
+                let mut sides: Vec<Vec3> = Vec::new();
+                for n in topology.fan(v).map(|h| corners[h.index()]) {
+                    if sides.last() != Some(&n) {
+                        sides.push(n);
+                    }
                 }
+                if !topology.is_boundary(v) && sides.len() > 1 && sides.first() == sides.last() {
+                    sides.pop();
+                }
+                let mean = sides.iter().copied().sum::<Vec3>().normalized();
+                let off = (mean - normals[v.index()]).length();
+                assert!(sides.len() < 2 || off < 1e-12, "{name} {v}: {off}");
+                assert!(share > 0 || sides.len() < 2, "{name} {v}");
             }
         }
     }

@@ -1,9 +1,11 @@
 //! `fairform render`.
 
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use fairform::{Rules, Scheme, fairness};
+use fairform::interpolate::{self, Interpolator};
+use fairform::{Scheme, fairness};
 use fairform_io::MeshData;
 use fairform_render::{
     Body, Colour, ColourMap, Dot, Line, Options, Panel, Surface as SurfaceLook, Values, View,
@@ -11,6 +13,7 @@ use fairform_render::{
 use serde_json::json;
 
 use crate::args::{ColourChoice, Panels, Render};
+use crate::commands::fit::fitted;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::{self, Source};
@@ -22,19 +25,23 @@ pub(crate) fn run(args: &Render, console: &Console) -> Result<ExitCode, Failure>
     input::check_outputs(&[&args.output], console)?;
     let read = |path: &PathBuf| input::read(&Source { path, format: args.from }, console);
     let mut meshes = args.inputs.iter().map(read).collect::<Result<Vec<_>, _>>()?;
-    if let Some(scheme) = args.scheme {
-        if args.colour == Some(ColourChoice::Tension) {
-            return Err(Failure::usage(
-                "--colour tension is of the faces as given, not of a surface",
-            )
-            .help("leave out --scheme"));
-        }
-        for (data, path) in meshes.iter_mut().zip(&args.inputs) {
+    let mut tensions = vec![None; meshes.len()];
+    if let Some(scheme) = args.scheme.or(args.fit.then_some(Scheme::Loop)) {
+        let all = meshes.iter_mut().zip(&mut tensions).zip(&args.inputs);
+        for ((data, tension), path) in all {
             let source = Source { path, format: args.from };
-            *data = surface_of(args, scheme, std::mem::take(data), &source, console)?;
+            (*data, *tension) = surface_of(args, scheme, std::mem::take(data), &source, console)?;
+        }
+    } else if let Some(option) = args.rules.made().or(args.levels.map(|_| "--levels")) {
+        return Err(Failure::usage(format!("{option} is for a surface that is made here"))
+            .help("name the --scheme, or --fit"));
+    } else if args.colour == Some(ColourChoice::Tension) {
+        for ((data, tension), path) in meshes.iter().zip(&mut tensions).zip(&args.inputs) {
+            let surface = Surface::new(data.clone(), &Source { path, format: args.from })?;
+            *tension = rules::tension(&args.rules.tension, &surface)?;
         }
     }
-    let values = values(args, &meshes, console)?;
+    let values = values(args, &meshes, tensions, console)?;
     let panels: Vec<Panel> = meshes
         .iter()
         .enumerate()
@@ -52,24 +59,43 @@ pub(crate) fn run(args: &Render, console: &Console) -> Result<ExitCode, Failure>
     Ok(ExitCode::SUCCESS)
 }
 
-/// The limit surface that a scheme makes of a control mesh.
+/// The limit surface that a scheme makes of a mesh, as its control mesh or fitted to it; and the shape
+/// parameters of its faces.
 fn surface_of(
     args: &Render,
     scheme: Scheme,
     data: MeshData,
     source: &Source,
     console: &Console,
-) -> Result<MeshData, Failure> {
+) -> Result<(MeshData, Option<Vec<f64>>), Failure> {
+    let levels = args.levels.unwrap_or(3);
     let mut surface = Surface::new(data, source)?;
-    surface.rules = Rules {
-        tension: rules::tension(&args.tension, &surface)?.map(Into::into),
-        ..scheme.into()
-    };
-    check_memory(&surface, args.levels, source)?;
+    rules::set(scheme, &args.rules, &mut surface, console)?;
+    check_memory(&surface, levels, source)?;
     let at = |e| surface.failure(source, &e);
-    let mut fine = surface.refine(args.levels, &console.progress()).map_err(at)?;
+    let progress = console.progress();
+    let mut fine = if args.fit {
+        let topology = surface.mesh.topology();
+        let interpolator = Interpolator::new(topology, &surface.rules).map_err(at)?;
+        let options =
+            interpolate::Options { exact: args.exact, fair: args.fair, ..Default::default() };
+        progress.say("fitting");
+        let mut go_on = |_, _| ControlFlow::Continue(());
+        let fitted =
+            fitted(&surface, &interpolator, &options, &mut go_on, &progress).map_err(at)?;
+        if !fitted.report.is_converged() {
+            let error = fitted.report.max;
+            console.note(format!(
+                "warning: {source}: not converged: the largest error is {error:.3e}"
+            ));
+        }
+        fitted.control.refine(levels.saturating_sub(fitted.level), &progress).map_err(at)?
+    } else {
+        surface.refine(levels, &progress).map_err(at)?
+    };
     fine.move_to_limit().map_err(at)?;
-    Ok(fine.into_data())
+    let tension = surface.rules.tension.as_deref().map(|tension| fine.inherited(tension));
+    Ok((fine.into_surface(), tension))
 }
 
 /// Only PNG is written.
@@ -94,6 +120,7 @@ struct Numbers {
 fn values(
     args: &Render,
     meshes: &[MeshData],
+    tensions: Vec<Option<Vec<f64>>>,
     console: &Console,
 ) -> Result<Vec<Option<Numbers>>, Failure> {
     let reference = match (&args.reference, args.colour) {
@@ -107,7 +134,7 @@ fn values(
         }
         _ => None,
     };
-    let one = |(data, path): (&MeshData, &PathBuf)| {
+    let one = |((data, path), tension): ((&MeshData, &PathBuf), Option<Vec<f64>>)| {
         let Some(choice) = args.colour else { return Ok(None) };
         let source = Source { path, format: args.from };
         let (of, per_face, map, legend) = match choice {
@@ -133,8 +160,7 @@ fn values(
                 (distances, false, ColourMap::Viridis, "distance to the mesh")
             }
             ColourChoice::Tension => {
-                let surface = Surface::new(data.clone(), &source)?;
-                let Some(tension) = rules::tension(&args.tension, &surface)? else {
+                let Some(tension) = tension else {
                     return Err(Failure::usage("--colour tension needs shape parameters")
                         .help("give them with --lambda or --tension-where"));
                 };
@@ -143,7 +169,7 @@ fn values(
         };
         Ok(Some(Numbers { of, per_face, map, legend }))
     };
-    meshes.iter().zip(&args.inputs).map(one).collect()
+    meshes.iter().zip(&args.inputs).zip(tensions).map(one).collect()
 }
 
 fn panel<'a>(
@@ -154,13 +180,14 @@ fn panel<'a>(
 ) -> Panel<'a> {
     let mut body = Body::new(&data.positions, &data.faces);
     body.normals = data.normals.as_deref();
+    body.corner_normals = data.corner_normals.as_deref();
     body.colours = data.colours.as_deref();
     let wants = |choice: &Option<Panels>| Panels::has(choice.as_ref(), i);
     body.style.smooth = !wants(&args.flat);
     body.style.wireframe = wants(&args.wireframe).then(Line::default);
     body.style.points = wants(&args.points).then(Dot::default);
     let red = Line { colour: Colour::RED, width: 5.0 };
-    body.style.boundary = wants(&args.boundary).then_some(red);
+    body.style.boundary = wants(&args.draw_boundary).then_some(red);
     body.values = numbers.map(|n| {
         let values = if n.per_face { Values::per_face(&n.of) } else { Values::per_vertex(&n.of) };
         Values { map: n.map, range: args.range, legend: Some(n.legend), ..values }

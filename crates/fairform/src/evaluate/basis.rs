@@ -2,17 +2,17 @@
 
 /// The values and the derivatives of basis functions at a point, and of what they are the basis of:
 /// the value, by $`u`$, $`v`$, $`uu`$, $`uv`$ and $`vv`$.
-pub(super) type Jet<T> = [T; 6];
+pub(crate) type Jet<T> = [T; 6];
 
 /// The weights of 16 control points, row by row over $`\{-1, 0, 1, 2\}^2`$, in the bicubic B-spline
 /// over $`[0, 1]^2`$.
-pub(super) fn bicubic([u, v]: [f64; 2], mut found: impl FnMut(usize, Jet<f64>)) {
+pub(crate) fn bicubic([u, v]: [f64; 2], mut found: impl FnMut(usize, Jet<f64>)) {
     tensor(&cubic(u), &cubic(v), &mut found);
 }
 
 /// The weights of 9 control points, row by row over $`\{-1, 0, 1\}^2`$, in the biquadratic B-spline
 /// over $`[-1/2, 1/2]^2`$, which $`[0, 1]^2`$ is mapped to.
-pub(super) fn biquadratic([u, v]: [f64; 2], mut found: impl FnMut(usize, Jet<f64>)) {
+pub(crate) fn biquadratic([u, v]: [f64; 2], mut found: impl FnMut(usize, Jet<f64>)) {
     tensor(&quadratic(u), &quadratic(v), &mut found);
 }
 
@@ -66,7 +66,7 @@ pub(super) const QUARTICS: [[u8; 3]; 15] = [
 const FACTORIAL: [f64; 5] = [1.0, 1.0, 2.0, 6.0, 24.0];
 
 /// The weights of the 15 Bézier points of a quartic triangle, in the order of [`QUARTICS`].
-pub(super) fn quartic([u, v]: [f64; 2], mut found: impl FnMut(usize, Jet<f64>)) {
+pub(crate) fn quartic([u, v]: [f64; 2], mut found: impl FnMut(usize, Jet<f64>)) {
     let powers = [1.0 - u - v, u, v].map(|x| [1.0, x, x * x, x * x * x, x * x * x * x]);
     // Bernstein polynomials of degree i + j + k; zero where an exponent is negative.
     let b = |[i, j, k]: [i8; 3]| {

@@ -29,13 +29,13 @@ const MOST_STEPS: usize = 250;
 
 /// All neighbourhoods that have turned up.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Graph {
-    nodes: Vec<Node>,
+pub(crate) struct Graph {
+    pub(crate) nodes: Vec<Node>,
     known: BTreeMap<Vec<u32>, u32>,
 }
 
 #[derive(Clone, Debug)]
-enum Node {
+pub(crate) enum Node {
     /// The points of a polynomial patch, and whether Doo and Sabin's boundary is at `v = 0`.
     Patch(Stencils, bool),
     Split(Box<Split>),
@@ -43,26 +43,26 @@ enum Node {
 
 /// A face that falls into four parts; the first may look like the whole.
 #[derive(Clone, Debug)]
-struct Split {
-    parts: [Part; 4],
+pub(crate) struct Split {
+    pub(crate) parts: [Part; 4],
     maps: &'static [Map; 4],
-    corner: Option<Corner>,
+    pub(crate) corner: Option<Corner>,
 }
 
 #[derive(Clone, Debug)]
-struct Part {
-    node: u32,
+pub(crate) struct Part {
+    pub(crate) node: u32,
     /// The values of the part from those of the whole.
-    rows: Stencils,
+    pub(crate) rows: Stencils,
 }
 
 /// The extraordinary point that the first parts shrink to.
 #[derive(Clone, Debug)]
-struct Corner {
+pub(crate) struct Corner {
     /// The weights of the values in its limit point.
-    limit: Vec<f64>,
-    topology: Topology,
-    rules: Rules,
+    pub(crate) limit: Vec<f64>,
+    pub(crate) topology: Topology,
+    pub(crate) rules: Rules,
 }
 
 impl Graph {

@@ -46,7 +46,7 @@ fn combine<const N: usize>(terms: [(f64, VertexId); N]) -> Row {
 }
 
 /// The faces round a vertex from one sharp edge to the next, or all.
-struct Sector {
+pub(crate) struct Sector {
     /// Half-edges from the vertex, counter-clockwise.
     spokes: Vec<HalfedgeId>,
     /// Which of them was asked for.
@@ -56,7 +56,7 @@ struct Sector {
 
 impl Sector {
     /// The sector of `h`; `None` if an edge at the vertex, or itself, is sharp for a while only.
-    fn new(sharp: Sharpness<'_>, h: HalfedgeId) -> Option<Self> {
+    pub(crate) fn new(sharp: Sharpness<'_>, h: HalfedgeId) -> Option<Self> {
         let topology = sharp.topology;
         let v = topology.origin(h);
         let is_settled = |s: f64| s == 0.0 || s >= INFINITE;
@@ -83,7 +83,7 @@ impl Sector {
     }
 
     /// The neighbours along the spokes; with the other end of the last face if it is open.
-    fn ring(&self, topology: &Topology) -> Vec<VertexId> {
+    pub(crate) fn ring(&self, topology: &Topology) -> Vec<VertexId> {
         let mut ring: Vec<VertexId> = self.spokes.iter().map(|&h| topology.target(h)).collect();
         if !self.is_closed {
             ring.extend(self.spokes.last().map(|&h| topology.origin(topology.prev(h))));

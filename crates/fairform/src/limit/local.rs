@@ -10,6 +10,20 @@ use crate::scheme::catmull_clark::vertex_weights;
 use crate::scheme::loop_scheme::ring_weight;
 use crate::scheme::{Rules, Scheme};
 
+/// The rows of a refinement step that make the values on the fan of a vertex, in their order.
+pub(crate) fn local_rows(
+    sharp: Sharpness<'_>,
+    scheme: Scheme,
+    v: VertexId,
+) -> impl Iterator<Item = usize> {
+    let topology = sharp.topology;
+    let (vertices, edges) = (topology.vertex_count(), topology.edge_count());
+    let around = sharp.edges(v).map(move |(e, _)| vertices + e.index());
+    let fan = (scheme == Scheme::CatmullClark).then(|| topology.fan(v)).into_iter().flatten();
+    let faces = fan.map(move |h| vertices + edges + topology.face(h).index());
+    core::iter::once(v.index()).chain(around).chain(faces)
+}
+
 /// The fan of faces at a vertex and its sharpness. Values on it lie in the order: the vertex, its
 /// neighbours counter-clockwise, and for Catmull–Clark the faces: face `i` between neighbours `i` and
 /// `i + 1`.
@@ -19,6 +33,9 @@ pub(crate) struct Local {
     closed: bool,
     vertex: f64,
     pub(crate) edges: Vec<f64>,
+    /// Whether a step has been made: faces are quadrilaterals, given by the corner opposite the vertex;
+    /// before, by their centroids.
+    is_refined: bool,
     /// Loop: weights of the vertex and of its neighbour in a new point of the boundary.
     boundary_edges: [[f64; 2]; 2],
 }
@@ -35,7 +52,8 @@ impl Local {
             boundary_edges = [first, last].map(|q| kinds.edge_weights(v, q));
         }
         let vertex = sharp.vertex(v);
-        Self { scheme: rules.scheme, closed, vertex, edges, boundary_edges }
+        let is_refined = false;
+        Self { scheme: rules.scheme, closed, vertex, edges, is_refined, boundary_edges }
     }
 
     /// Whether the vertex is off the boundary.
@@ -62,6 +80,7 @@ impl Local {
     /// The same after a step.
     pub(crate) fn next(&self) -> Self {
         let mut next = self.clone();
+        next.is_refined = true;
         next.vertex = after_step(self.vertex);
         next.edges.iter_mut().for_each(|s| *s = after_step(*s));
         if self.scheme == Scheme::Loop && !self.closed {
@@ -83,9 +102,8 @@ impl Local {
         }
     }
 
-    /// The rows of one step for Loop, or for Catmull–Clark with faces given by their centroids if
-    /// `by_centroid`, else by the corner opposite the vertex; new faces by the corner opposite.
-    pub(crate) fn matrix(&self, by_centroid: bool) -> Vec<Vec<f64>> {
+    /// The rows of one step.
+    pub(crate) fn matrix(&self) -> Vec<Vec<f64>> {
         let (m, k) = (self.edges.len(), self.face_count());
         let size = match self.scheme {
             Scheme::CatmullClark => 1 + m + k,
@@ -94,12 +112,12 @@ impl Local {
         let zero = || alloc::vec![0.0; size];
         // A face centroid in terms of the values.
         let add_face = |row: &mut [f64], i: usize, weight: f64| {
-            if by_centroid {
-                row[1 + m + i] += weight;
-            } else {
+            if self.is_refined {
                 for at in [0, 1 + i, 1 + (i + 1) % m, 1 + m + i] {
                     row[at] += 0.25 * weight;
                 }
+            } else {
+                row[1 + m + i] += weight;
             }
         };
         let mut rows = Vec::with_capacity(size);
@@ -187,14 +205,14 @@ impl Local {
         }
     }
 
-    /// The weights of the values on the fan in the limit point of the vertex, faces by centroid.
+    /// The weights of the values on the fan in the limit point of the vertex.
     pub(crate) fn limit_row(&self) -> Vec<f64> {
         const MOST: usize = 2000;
         let mut levels = alloc::vec![self.clone()];
         for _ in 0..=self.steps() {
             levels.extend(levels.last().map(Self::next));
         }
-        let last = levels[levels.len() - 1].matrix(false);
+        let last = levels[levels.len() - 1].matrix();
         let mut row = alloc::vec![0.0; last.len()];
         row[0] = 1.0;
         for _ in 0..MOST {
@@ -205,22 +223,22 @@ impl Local {
                 break;
             }
         }
-        for (i, level) in levels.iter().enumerate().rev() {
-            row = times(&row, &level.matrix(i == 0));
+        for level in levels.iter().rev() {
+            row = times(&row, &level.matrix());
         }
         row
     }
 
-    /// The values after the steps it takes until nothing changes any more, at least one; and the fan
-    /// then.
+    /// The values after the steps it takes until nothing changes any more, at least one if none has been
+    /// made; and the fan then.
     pub(crate) fn settle<T>(&self, values: Vec<T>) -> (Self, Vec<T>)
     where
         T: Copy + Default + Add<Output = T>,
         f64: Mul<T, Output = T>,
     {
         let (mut local, mut values) = (self.clone(), values);
-        for step in 0..self.steps().max(1) {
-            let rows = local.matrix(step == 0);
+        for _ in 0..self.steps().max(u32::from(!self.is_refined)) {
+            let rows = local.matrix();
             let sum = |row: &Vec<f64>| {
                 row.iter().zip(&values).fold(T::default(), |sum, (&w, &x)| sum + w * x)
             };

@@ -6,16 +6,17 @@ use core::f64::consts::PI;
 use libm::{cos, sin};
 
 use super::interpolating::InterpolatingTangents;
-use super::local::Local;
+use super::local::{Local, local_rows};
 use crate::crease::Sharpness;
 use crate::error::Error;
 use crate::ids::{HalfedgeId, VertexId};
-use crate::refine::DooSabinRows;
+use crate::refine::{DooSabinRows, PhaseOne};
+use crate::rows;
 use crate::scheme::loop_scheme::{
     inward_tangent_centre_weight, inward_tangent_weight, tangent_weights,
 };
 use crate::scheme::{Rules, Scheme, catmull_clark};
-use crate::{Topology, Vec3};
+use crate::{Topology, Vec3, par};
 
 /// The unit normals of the limit surface at the limit points of all vertices, outwards for
 /// counter-clockwise faces; zero at isolated vertices and where the tangents are parallel.
@@ -52,6 +53,49 @@ pub fn limit_normals(
         });
         normal.normalized()
     });
+    Ok(normals)
+}
+
+/// The normals of [`limit_normals`] per half-edge, at the vertex where it begins: those of one side where
+/// creases part the surface, so that what is sharp can be shown as sharp.
+///
+/// # Errors
+/// As [`limit_normals`].
+///
+/// # Panics
+/// If there is not one point per vertex.
+pub fn limit_corner_normals(
+    topology: &Topology,
+    points: &[Vec3],
+    rules: &Rules,
+) -> Result<Vec<Vec3>, Error> {
+    let mean = limit_normals(topology, points, rules)?;
+    let mut normals = par::collect(topology.halfedge_count(), |h| {
+        mean[topology.origin(HalfedgeId(h as u32)).index()]
+    });
+    if rules.creases.is_none() {
+        return Ok(normals);
+    }
+    let tangents = Tangents::new(topology, points, rules)?;
+    let sides = par::blocks(points.len(), |range| {
+        let (mut sides, mut around) = (Vec::new(), Vec::new());
+        for v in range.map(|v| VertexId(v as u32)) {
+            if tangents.sharp.edges(v).all(|e| tangents.sharp.edge(e.0) == 0.0) {
+                continue;
+            }
+            around.clear();
+            around.extend(topology.ring(v).map(|q| q.0));
+            let fan: Vec<HalfedgeId> = topology.fan(v).collect();
+            tangents.at(v, &around, |(first, count), [along, across]| {
+                let normal = along.normalized().cross(across.normalized()).normalized();
+                sides.extend((first..first + count).map(|i| (fan[i % fan.len()], normal)));
+            });
+        }
+        sides
+    });
+    for (h, normal) in sides.into_iter().flatten().filter(|side| side.1 != Vec3::ZERO) {
+        normals[h.index()] = normal;
+    }
     Ok(normals)
 }
 
@@ -92,8 +136,9 @@ pub(crate) fn side_tangents(
     let place = topology.fan(v).position(|g| g == h).unwrap_or(0);
     let size = topology.fan_size(v) as usize;
     let mut here = [Vec3::ZERO; 2];
-    let (images, interpolating, weights) = (None, None, Vec::new());
-    let tangents = Tangents { sharp, rules, points, images, weights, interpolating };
+    let (images, interpolating, weights, refined) =
+        (None, None, Vec::new(), phase_one(topology, points, rules));
+    let tangents = Tangents { sharp, rules, points, refined, images, weights, interpolating };
     let around: Vec<u32> = topology.ring(v).map(|q| q.0).collect();
     tangents.at(v, &around, |(first, count), t| {
         if (place + size - first % size) % size < count {
@@ -110,6 +155,8 @@ struct Tangents<'a> {
     sharp: Sharpness<'a>,
     rules: &'a Rules,
     points: &'a [Vec3],
+    /// Loop and Catmull–Clark in two phases: the points after phase one.
+    refined: Option<Vec<Vec3>>,
     images: Option<DooSabinRows<'a>>,
     /// Loop: tangent weights of all ring places, for the usual valences.
     weights: Vec<Vec<[f64; 2]>>,
@@ -129,7 +176,8 @@ impl<'a> Tangents<'a> {
             None
         };
         let sharp = rules.sharpness(topology);
-        Ok(Self { sharp, rules, points, images, weights, interpolating })
+        let refined = phase_one(topology, points, rules);
+        Ok(Self { sharp, rules, points, refined, images, weights, interpolating })
     }
 
     /// The tangents at a vertex, for each of its sectors between sharp edges: first face and number
@@ -149,19 +197,27 @@ impl<'a> Tangents<'a> {
         }
         if self.rules.scheme == Scheme::Loop
             && self.rules.creases.is_none()
+            && self.refined.is_none()
             && !topology.is_boundary(v)
         {
             return found(all, self.ring(around));
         }
-        let mut values = alloc::vec![point(v)];
-        values.extend(around.iter().map(|&q| self.points[q as usize]));
-        if self.rules.scheme == Scheme::CatmullClark {
-            values.extend(topology.fan(v).map(|h| {
-                let corners = topology.face_vertices(topology.face(h));
-                corners.iter().map(|&q| point(q)).sum::<Vec3>() / corners.len() as f64
-            }));
+        let mut local = Local::new(self.sharp, self.rules, v);
+        let mut values = Vec::with_capacity(1 + around.len() + topology.fan_size(v) as usize);
+        if let Some(refined) = &self.refined {
+            local = local.next();
+            values.extend(local_rows(self.sharp, self.rules.scheme, v).map(|row| refined[row]));
+        } else {
+            values.push(point(v));
+            values.extend(around.iter().map(|&q| self.points[q as usize]));
+            if self.rules.scheme == Scheme::CatmullClark {
+                values.extend(topology.fan(v).map(|h| {
+                    let corners = topology.face_vertices(topology.face(h));
+                    corners.iter().map(|&q| point(q)).sum::<Vec3>() / corners.len() as f64
+                }));
+            }
         }
-        let (local, values) = Local::new(self.sharp, self.rules, v).settle(values);
+        let (local, values) = local.settle(values);
         let (m, k) = (local.edges.len(), local.face_count());
         let (here, edges) = (values[0], &values[1..=m]);
         let faces = &values[1 + m..];
@@ -232,6 +288,10 @@ impl<'a> Tangents<'a> {
         let inner = 0.5 * (regular(0) + regular(f - 1));
         [start - end, inner - 0.5 * (start + end)]
     }
+}
+
+fn phase_one(topology: &Topology, points: &[Vec3], rules: &Rules) -> Option<Vec<Vec3>> {
+    PhaseOne::new(topology, rules).map(|rows| rows::apply(&rows, points))
 }
 
 /// Tangents at the centroid of a polygon that shrinks by Doo and Sabin's rule.

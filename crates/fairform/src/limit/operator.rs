@@ -79,6 +79,9 @@ impl crate::solve::direct::Entries for RingOperator {
     }
 }
 
+/// Relative difference of entries that are equal but for rounding, which adds up along a curve.
+const SAME: f64 = 1e-10;
+
 /// Limit rows written out.
 #[derive(Clone, Debug)]
 pub(crate) struct RowOperator {
@@ -124,6 +127,32 @@ impl RowOperator {
         Self { start, entries, scale, guaranteed, usual }
     }
 
+    /// Finds the `D` for which $`D^{-1} B`$ is symmetric, if there is one, by going from unknown to
+    /// unknown: $`d_j = d_i b_{ji} / b_{ij}`$. For short rows.
+    pub(crate) fn find_scale(&mut self) {
+        let n = self.scale.len();
+        let mut scale = alloc::vec![0.0; n];
+        let mut queue = Vec::new();
+        for seed in 0..n {
+            if scale[seed] == 0.0 {
+                scale[seed] = 1.0;
+                queue.push(seed);
+            }
+            while let Some(i) = queue.pop() {
+                for &(j, weight) in self.entries(i).iter().filter(|e| (e.0 as usize) < n) {
+                    let j = j as usize;
+                    let back = self.entries(j).iter().find(|e| e.0 as usize == i);
+                    if let Some(&(_, back)) = back.filter(|_| scale[j] == 0.0) {
+                        // Exactly one where the two agree.
+                        scale[j] = scale[i] * (back / weight);
+                        queue.push(j);
+                    }
+                }
+            }
+        }
+        self.scale = scale;
+    }
+
     fn entries(&self, i: usize) -> &[(u32, f64)] {
         &self.entries[self.start[i] as usize..self.start[i + 1] as usize]
     }
@@ -138,7 +167,7 @@ impl RowOperator {
         let agrees = |i: usize| {
             self.entries(i).iter().filter(|e| (e.0 as usize) < n).all(|&(j, w)| {
                 let (a, b) = (w / self.scale[i], entry(j as usize, i));
-                (a - b).abs() <= 1e-12 * a.abs().max(b.abs())
+                (a - b).abs() <= SAME * a.abs().max(b.abs())
             })
         };
         par::blocks(n, |mut range| range.all(agrees)).into_iter().all(|ok| ok)

@@ -14,6 +14,7 @@ use crate::ids::{EdgeId, FaceId, HalfedgeId, NONE, VertexId};
 use crate::rows::Rows;
 use crate::scheme::Rules;
 use crate::scheme::catmull_clark::{CURVE_VERTEX, vertex_weights};
+use crate::tension::Shares;
 use crate::topology::Quadrilaterals;
 use crate::{Topology, Vec3, par};
 
@@ -76,19 +77,34 @@ pub(super) fn halves(coarse: &Topology, h: u32) -> [u32; 2] {
 }
 
 /// The finer values: vertices by their rule, points on edges, points in faces.
-pub(super) struct CatmullClarkRows<'t> {
+pub(crate) struct CatmullClarkRows<'t> {
     sharp: Sharpness<'t>,
+    shares: Option<Shares<'t>>,
 }
 
 impl<'t> CatmullClarkRows<'t> {
     pub(super) fn new(topology: &'t Topology, rules: &'t Rules) -> Self {
-        Self { sharp: rules.sharpness(topology) }
+        Self { sharp: rules.sharpness(topology), shares: rules.shares(topology) }
     }
 
     fn vertex(&self, v: VertexId, entry: &mut impl FnMut(u32, f64)) {
         let topology = self.sharp.topology;
         if topology.is_isolated(v) {
             return entry(v.0, 1.0);
+        }
+        if let Some(shares) = self.shares {
+            return super::two_phase_vertex(self.sharp, shares, v, entry, |share, entry| {
+                let n = f64::from(topology.fan_size(v));
+                let each = share / (n * n);
+                entry(v.0, share - 2.0 * each * shares.around(v));
+                for h in topology.fan(v) {
+                    let f = topology.face(h);
+                    let plain = shares.face(f) * each;
+                    entry(topology.target(h).0, 0.5 * plain);
+                    entry(topology.origin(topology.prev(h)).0, 0.5 * plain);
+                    centroid(topology, f, plain, entry);
+                }
+            });
         }
         for (kind, share) in self.sharp.blend(v).into_iter().filter(|b| b.1 > 0.0) {
             match kind {
@@ -113,6 +129,17 @@ impl<'t> CatmullClarkRows<'t> {
         let topology = self.sharp.topology;
         let h = topology.edge_halfedge(e);
         let smooth = 1.0 - self.sharp.edge(e).min(1.0);
+        if let (Some(shares), Some(t)) = (self.shares, topology.twin(h)) {
+            let faces = [h, t].map(|h| topology.face(h));
+            let plain = faces.map(|f| shares.face(f) * smooth);
+            let end = 0.5 - 0.125 * (plain[0] + plain[1]);
+            entry(topology.origin(h).0, end);
+            entry(topology.target(h).0, end);
+            for (f, plain) in faces.into_iter().zip(plain).filter(|p| p.1 > 0.0) {
+                centroid(topology, f, 0.25 * plain, entry);
+            }
+            return;
+        }
         let end = 0.5 - 0.25 * smooth;
         entry(topology.origin(h).0, end);
         entry(topology.target(h).0, end);

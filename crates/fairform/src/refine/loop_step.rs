@@ -18,6 +18,7 @@ use crate::rows::Rows;
 use crate::rules::{BoundaryKinds, by_valence};
 use crate::scheme::Rules;
 use crate::scheme::loop_scheme::ring_weight;
+use crate::tension::Shares;
 use crate::topology::Triangles;
 use crate::{Topology, Vec3, par};
 
@@ -168,8 +169,9 @@ pub(super) fn halves(h: u32) -> [u32; 2] {
 }
 
 /// The finer values: vertices by their rule, then the points on the edges.
-pub(super) struct LoopRows<'t> {
+pub(crate) struct LoopRows<'t> {
     sharp: Sharpness<'t>,
+    shares: Option<Shares<'t>>,
     kinds: BoundaryKinds<'t>,
     /// Weight of the ring by valence.
     ring: Vec<f64>,
@@ -179,14 +181,28 @@ impl<'t> LoopRows<'t> {
     pub(super) fn new(topology: &'t Topology, rules: &'t Rules) -> Self {
         Self {
             sharp: rules.sharpness(topology),
+            shares: rules.shares(topology),
             kinds: BoundaryKinds { topology, corners: rules.corners },
             ring: by_valence(topology, ring_weight),
         }
     }
 
     fn vertex(&self, v: VertexId, ring: &[u32], mut entry: impl FnMut(u32, f64)) {
-        if self.sharp.topology.is_isolated(v) {
+        let topology = self.sharp.topology;
+        if topology.is_isolated(v) {
             return entry(v.0, 1.0);
+        }
+        if let Some(shares) = self.shares {
+            return super::two_phase_vertex(self.sharp, shares, v, &mut entry, |share, entry| {
+                let n = topology.fan_size(v);
+                let each = self.ring[n as usize] / f64::from(n) * share;
+                entry(v.0, share - each * shares.around(v));
+                for h in topology.fan(v) {
+                    let plain = shares.face(topology.face(h)) * each;
+                    entry(topology.target(h).0, 0.5 * plain);
+                    entry(topology.origin(topology.prev(h)).0, 0.5 * plain);
+                }
+            });
         }
         for (kind, share) in self.sharp.blend(v).into_iter().filter(|b| b.1 > 0.0) {
             match kind {
@@ -211,11 +227,24 @@ impl<'t> LoopRows<'t> {
         let h = topology.edge_halfedge(e);
         let (a, b) = (topology.origin(h), topology.target(h));
         let Some(t) = topology.twin(h) else {
-            let [wa, wb] = self.kinds.edge_weights(a, b);
-            entry(a.0, wa);
-            return entry(b.0, wb);
+            let mut weights = self.kinds.edge_weights(a, b);
+            if let Some(shares) = self.shares {
+                weights = weights.map(|w| 0.5 + shares.edge(e) * (w - 0.5));
+            }
+            entry(a.0, weights[0]);
+            return entry(b.0, weights[1]);
         };
         let smooth = 1.0 - self.sharp.edge(e).min(1.0);
+        if let Some(shares) = self.shares {
+            let plain = [h, t].map(|h| shares.face(topology.face(h)) * smooth);
+            let end = 0.5 - 0.0625 * (plain[0] + plain[1]);
+            entry(a.0, end);
+            entry(b.0, end);
+            for (h, plain) in [h, t].into_iter().zip(plain).filter(|p| p.1 > 0.0) {
+                entry(topology.origin(topology.prev(h)).0, 0.125 * plain);
+            }
+            return;
+        }
         let (end, wing) = (0.5 - 0.125 * smooth, 0.125 * smooth);
         entry(a.0, end);
         entry(b.0, end);

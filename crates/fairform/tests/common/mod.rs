@@ -1,7 +1,9 @@
 //! What several test files need: fixtures, comparisons, random meshes.
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
-use fairform::{Faces, Mesh, Vec3, shapes};
+use fairform::interpolate::{Method, Options, interpolate};
+use fairform::refine::{check_size, refine};
+use fairform::{Faces, Mesh, Rules, Scheme, Topology, Vec3, limit, shapes};
 use serde_json::Value;
 
 /// A fixture of `data/golden`.
@@ -141,7 +143,7 @@ pub fn random_mesh(seed: u64, splits: usize, holes: usize) -> Mesh {
         let mut fewer = list.clone();
         fewer.swap_remove(f);
         let candidate: Faces = fewer.iter().collect();
-        if fairform::Topology::from_faces(positions.len(), &candidate).is_ok() {
+        if Topology::from_faces(positions.len(), &candidate).is_ok() {
             list = fewer;
         }
     }
@@ -215,7 +217,7 @@ pub fn mixed() -> Mesh {
 }
 
 /// Some edges and vertices made sharp, for a while or for ever, from a seed.
-pub fn random_creases(topology: &fairform::Topology, seed: u64, share: u64) -> fairform::Creases {
+pub fn random_creases(topology: &Topology, seed: u64, share: u64) -> fairform::Creases {
     let mut state = seed | 1;
     let mut random = move |below: u64| {
         state ^= state << 13;
@@ -236,4 +238,70 @@ pub fn random_creases(topology: &fairform::Topology, seed: u64, share: u64) -> f
         }
     }
     creases
+}
+
+pub fn limit_points(mesh: &Mesh, rules: &Rules) -> Vec<Vec3> {
+    limit::limit_points(mesh.topology(), mesh.positions(), rules).unwrap()
+}
+
+/// Closed form equals search, rows equal rule, weights sum to one, a step keeps the limit points.
+pub fn check_step(mesh: &Mesh, rules: &Rules, name: &str) {
+    let coarse = mesh.topology();
+    let step = refine(coarse, rules).unwrap();
+    let size = check_size(coarse, rules, 1).unwrap();
+    let finer = &step.topology;
+    assert!(finer.vertex_count() as u64 <= size.vertex_count, "{name}");
+    if rules.scheme == Scheme::CatmullClark {
+        assert_eq!(finer.edge_count() as u64, size.edge_count, "{name}");
+        let found = Topology::from_faces(finer.vertex_count(), &finer.to_faces()).unwrap();
+        assert_eq!(*finer, found, "{name}");
+    }
+    for f in finer.faces() {
+        assert!(step.parent(f).index() < coarse.face_count(), "{name}");
+    }
+    let stencils = step.stencils();
+    let positions = step.apply(mesh.positions());
+    assert_near(&stencils.apply(mesh.positions()), &positions, 4e-15, name);
+    for row in 0..stencils.row_count() {
+        let sum: f64 = stencils.row(row).map(|(_, w)| w).sum();
+        assert!((sum - 1.0).abs() < 1e-14, "{name} row {row}");
+    }
+    let rows = limit::limit_stencils(coarse, rules).unwrap();
+    let before = limit_points(mesh, rules);
+    assert_near(&rows.apply(mesh.positions()), &before, 4e-15, name);
+    if rules.scheme != Scheme::DooSabin {
+        let after = limit_points(&Mesh::from_parts(step.topology.into(), positions), &step.next);
+        assert_near(&after[..before.len()], &before, 1e-13, name);
+    }
+}
+
+pub fn check_fit(target: &Mesh, rules: &Rules, method: Method, name: &str) {
+    let options = Options { method, ..Options::default() };
+    let (control, report) = interpolate(target, rules, &options).unwrap();
+    assert!(report.is_converged(), "{name} {} {method}: {}", rules.scheme, report.max);
+    let limit = limit_points(&control, rules);
+    let off = limit.iter().zip(target.positions()).map(|(a, b)| (*a - *b).length());
+    let worst = off.fold(0.0, f64::max) / report.unit;
+    assert!(worst <= 1.01e-6, "{name} {} {method}: {worst:e}", rules.scheme);
+}
+
+/// The smallest pivot of a symmetric matrix: by Cholesky's factorisation, which exists exactly for
+/// positive definite ones.
+pub fn smallest_pivot(mut s: Vec<Vec<f64>>) -> f64 {
+    let mut smallest = f64::INFINITY;
+    for k in 0..s.len() {
+        let pivot = s[k][k];
+        smallest = smallest.min(pivot);
+        if pivot.is_nan() || pivot <= 0.0 {
+            break;
+        }
+        let upper = s[k].clone();
+        for line in &mut s[k + 1..] {
+            let factor = line[k] / pivot;
+            for (x, u) in line[k..].iter_mut().zip(&upper[k..]) {
+                *x -= factor * u;
+            }
+        }
+    }
+    smallest
 }
