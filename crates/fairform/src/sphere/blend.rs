@@ -133,72 +133,95 @@ pub fn midpoint(t0: Vec3, t1: Vec3) -> Vec3 {
     if precedes(t0, t1) { turn(t0, t1, 0.5) } else { turn(t1, t0, 0.5) }
 }
 
-/// Terms of the series: enough up to angles of 20 degrees.
-const TERMS: usize = 11;
-
-/// Largest $`\sin^2(\theta/2)`$ for the series.
-const LARGEST: f64 = 0.03;
-
-/// Blends with the same two coefficients, often: for nearby directions a series instead of
-/// trigonometry,
+/// Blends with the same two coefficients, often: for nearby directions a series instead of roots or
+/// trigonometry, which also keeps the length,
 ///
 /// ```math
 /// \frac{\sin u\theta}{\sin\theta} = u\;{}_2F_1\bigl(1+u,\,1-u;\,\tfrac32;\,\sin^2\tfrac\theta2\bigr).
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Extrapolation {
+pub(super) struct FixedBlend {
     coefficients: [f64; 2],
     series: [[f64; TERMS]; 2],
 }
 
-impl Extrapolation {
-    pub(super) fn new(c0: f64, c1: f64) -> Self {
+/// Terms of the series, and up to which $`\sin^2(\theta/2)`$ they are exact: angles of 20 degrees.
+const TERMS: usize = 11;
+const LARGEST: f64 = 0.03;
+
+/// The same for angles of 2.8 degrees.
+const FEW_TERMS: usize = 5;
+const SMALL: f64 = 6e-4;
+
+/// Chaikin's coefficients.
+pub(super) const QUARTER: FixedBlend = FixedBlend::new(0.75, 0.25);
+
+impl FixedBlend {
+    pub(super) const fn new(c0: f64, c1: f64) -> Self {
         Self { coefficients: [c0, c1], series: [series(c0), series(c1)] }
     }
 
-    /// $`c_0\,t_0 \oplus c_1\,t_1`$.
-    #[inline]
-    pub(super) fn blend(&self, t0: Vec3, t1: Vec3) -> Vec3 {
-        let [w0, w1] = match self.weights(t0, t1) {
-            Some(weights) => weights,
-            None => return weighted(self.coefficients[0], t0, self.coefficients[1], t1),
-        };
-        w0 * t0 + w1 * t1
-    }
-
-    /// [`blend`](Self::blend) of `(t0, t1)` and of `(t1, t0)`.
-    #[inline]
+    /// $`c_0\,t_0 \oplus c_1\,t_1`$ and $`c_1\,t_0 \oplus c_0\,t_1`$.
+    #[inline(always)]
     pub(super) fn both(&self, t0: Vec3, t1: Vec3) -> [Vec3; 2] {
-        match self.weights(t0, t1) {
-            Some([w0, w1]) => [w0 * t0 + w1 * t1, w0 * t1 + w1 * t0],
-            None => {
-                let [c0, c1] = self.coefficients;
-                [weighted(c0, t0, c1, t1), weighted(c0, t1, c1, t0)]
-            }
-        }
+        let y = quarter_square(t0, t1);
+        let [w0, w1] = if y <= SMALL {
+            [evaluate::<FEW_TERMS>(&self.series[0], y), evaluate::<FEW_TERMS>(&self.series[1], y)]
+        } else if y <= LARGEST {
+            [evaluate::<TERMS>(&self.series[0], y), evaluate::<TERMS>(&self.series[1], y)]
+        } else {
+            return self.far(t0, t1);
+        };
+        [w0 * t0 + w1 * t1, w1 * t0 + w0 * t1]
     }
 
-    #[inline]
-    fn weights(&self, t0: Vec3, t1: Vec3) -> Option<[f64; 2]> {
-        let apart = t1 - t0;
-        let y = 0.25 * apart.dot(apart);
-        (y <= LARGEST).then(|| {
-            let mut weights = [self.series[0][TERMS - 1], self.series[1][TERMS - 1]];
-            for k in (0..TERMS - 1).rev() {
-                weights[0] = weights[0] * y + self.series[0][k];
-                weights[1] = weights[1] * y + self.series[1][k];
-            }
-            weights
-        })
+    #[cold]
+    fn far(&self, t0: Vec3, t1: Vec3) -> [Vec3; 2] {
+        let ([c0, c1], cosine) = (self.coefficients, t0.dot(t1));
+        if cosine < NEARLY_OPPOSITE || c0 == QUARTER.coefficients[0] {
+            return [weighted(c0, t0, c1, t1), weighted(c1, t0, c0, t1)];
+        }
+        let theta = libm::atan2(t0.cross(t1).length(), cosine);
+        let (s0, s1) = (libm::sin(c0 * theta), libm::sin(c1 * theta));
+        [(s0 * t0 + s1 * t1).normalized(), (s1 * t0 + s0 * t1).normalized()]
     }
 }
 
-fn series(u: f64) -> [f64; TERMS] {
+/// [`midpoint`] by the series for nearby directions.
+#[inline(always)]
+pub(super) fn half(t0: Vec3, t1: Vec3) -> Vec3 {
+    const HALF: [f64; TERMS] = series(0.5);
+    let y = quarter_square(t0, t1);
+    if y <= SMALL {
+        return evaluate::<FEW_TERMS>(&HALF, y) * (t0 + t1);
+    }
+    midpoint(t0, t1)
+}
+
+/// $`\sin^2(\theta/2)`$.
+#[inline(always)]
+fn quarter_square(t0: Vec3, t1: Vec3) -> f64 {
+    let apart = t1 - t0;
+    0.25 * apart.dot(apart)
+}
+
+#[inline(always)]
+fn evaluate<const N: usize>(series: &[f64; TERMS], y: f64) -> f64 {
+    let mut sum = series[N - 1];
+    for k in (0..N - 1).rev() {
+        sum = sum * y + series[k];
+    }
+    sum
+}
+
+const fn series(u: f64) -> [f64; TERMS] {
     let mut coefficients = [u; TERMS];
-    for k in 0..TERMS - 1 {
+    let mut k = 0;
+    while k < TERMS - 1 {
         let n = k as f64;
         let ratio = (1.0 + u + n) * (1.0 - u + n) / ((1.5 + n) * (1.0 + n));
         coefficients[k + 1] = coefficients[k] * ratio;
+        k += 1;
     }
     coefficients
 }

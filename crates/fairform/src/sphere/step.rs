@@ -9,7 +9,7 @@ use core::ops::Range;
 
 use crate::Vec3;
 
-use super::blend::{Extrapolation, midpoint};
+use super::blend::{FixedBlend, QUARTER, half};
 use super::error::Error;
 use super::mean::weighted_mean;
 use super::{Blend, combine};
@@ -111,7 +111,7 @@ pub struct Step {
     ends: Ends,
     count: usize,
     /// $`-\tfrac w8, \tfrac{8+w}8`$, for the four-point rule.
-    outward: Extrapolation,
+    outward: FixedBlend,
 }
 
 impl Step {
@@ -142,7 +142,7 @@ impl Step {
             }
             w = value;
         }
-        Ok(Self { rule, ends, count, outward: Extrapolation::new(-w / 8.0, (8.0 + w) / 8.0) })
+        Ok(Self { rule, ends, count, outward: FixedBlend::new(-w / 8.0, (8.0 + w) / 8.0) })
     }
 
     /// Number of elements of the refined sequence.
@@ -325,13 +325,27 @@ impl Step {
         }
     }
 
+    /// One new direction; regular rows to the bit as the inner loops do them.
     fn direction(&self, j: usize, blend: Blend, get: &impl Fn(usize) -> Vec3) -> Vec3 {
         let terms = self.terms(j);
-        let inner = terms.count == 4 && terms.weight[0] == terms.weight[3];
-        if blend == Blend::Pairs && inner && matches!(self.rule, Rule::FourPoint { .. }) {
-            // To the bit as the inner loop does it.
-            let [a, b, c, d] = terms.source.map(get);
-            return midpoint(self.outward.blend(a, b), self.outward.blend(d, c));
+        let at = |k: usize| get(terms.source[k]);
+        let four_point = matches!(self.rule, Rule::FourPoint { .. });
+        match terms.weights() {
+            _ if blend == Blend::Mean => {}
+            [0.5, 0.5] => return half(at(0), at(1)),
+            [0.75, 0.25] => return QUARTER.both(at(0), at(1))[0],
+            [0.25, 0.75] => return QUARTER.both(at(0), at(1))[1],
+            [0.125, 0.75, 0.125] => {
+                let [_, before] = QUARTER.both(at(0), at(1));
+                let [after, _] = QUARTER.both(at(1), at(2));
+                return half(before, after);
+            }
+            [a, _, _, d] if four_point && a == d => {
+                let [onward, _] = self.outward.both(at(0), at(1));
+                let [_, back] = self.outward.both(at(2), at(3));
+                return half(onward, back);
+            }
+            _ => {}
         }
         terms.direction(blend, get)
     }
@@ -354,15 +368,22 @@ impl Step {
         range: Range<usize>,
         put: &mut impl FnMut(usize, Vec3),
     ) {
-        for i in range.start / 2..range.end.div_ceil(2) {
-            let (a, b) = (get(i), get(i + 1));
-            let middle = midpoint(a, b);
-            if 2 * i >= range.start {
-                put(2 * i, midpoint(a, middle));
+        if range.is_empty() {
+            return;
+        }
+        let (first, last) = (range.start / 2, (range.end - 1) / 2);
+        let mut from = get(first);
+        for i in first..=last {
+            let to = get(i + 1);
+            let [near, far] = QUARTER.both(from, to);
+            // Both are wanted but for the first and the last leg.
+            if i > first || 2 * i == range.start {
+                put(2 * i, near);
             }
-            if 2 * i + 1 < range.end {
-                put(2 * i + 1, midpoint(middle, b));
+            if i < last || 2 * i + 2 == range.end {
+                put(2 * i + 1, far);
             }
+            from = to;
         }
     }
 
@@ -376,28 +397,26 @@ impl Step {
         let shift = usize::from(self.ends != Ends::Closed);
         // Place 2i is vertex i, place 2i + 1 the edge behind it.
         let places = range.start + shift..range.end + shift;
-        let first = places.start / 2;
-        let mut before = (places.start % 2 == 0).then(|| {
-            let (a, b) = (get(first - 1), get(first));
-            midpoint(midpoint(a, b), b)
-        });
+        if places.is_empty() {
+            return;
+        }
+        let (first, last) = (places.start / 2, (places.end - 1) / 2);
+        let begins_with_vertex = places.start % 2 == 0;
         let mut from = get(first);
-        for i in first..places.end.div_ceil(2) {
-            let vertex_wanted = 2 * i >= places.start;
-            let next_wanted = 2 * i + 1 < places.end || vertex_wanted;
-            if !next_wanted {
-                break;
-            }
+        let mut before = from;
+        if begins_with_vertex {
+            before = QUARTER.both(get(first - 1), from)[1];
+        }
+        for i in first..=last {
             let to = get(i + 1);
-            let middle = midpoint(from, to);
-            if vertex_wanted && let Some(before) = before {
-                put(2 * i - shift, midpoint(before, midpoint(from, middle)));
+            let [near, far] = QUARTER.both(from, to);
+            if i > first || begins_with_vertex {
+                put(2 * i - shift, half(before, near));
             }
-            if 2 * i + 1 < places.end && 2 * i + 1 >= places.start {
-                put(2 * i + 1 - shift, middle);
+            if i < last || 2 * i + 1 < places.end {
+                put(2 * i + 1 - shift, half(from, to));
             }
-            before = Some(midpoint(middle, to));
-            from = to;
+            (before, from) = (far, to);
         }
     }
 
@@ -407,21 +426,31 @@ impl Step {
         range: Range<usize>,
         put: &mut impl FnMut(usize, Vec3),
     ) {
-        // The leg's own ends, each prolonged beyond the other one's side.
-        let (first, end) = (range.start / 2, range.end.div_ceil(2));
-        let mut onward = self.outward.blend(get(first - 1), get(first));
-        let mut ahead = self.outward.both(get(first), get(first + 1));
-        for i in first..end {
-            if 2 * i >= range.start {
-                put(2 * i, get(i));
+        if range.is_empty() {
+            return;
+        }
+        let (first, last) = (range.start / 2, (range.end - 1) / 2);
+        let ends_with_edge = range.end.is_multiple_of(2);
+        if first == last && !ends_with_edge {
+            return put(2 * first, get(first));
+        }
+        // Each leg prolonged beyond both its ends.
+        let mut vertex = get(first);
+        let mut next = get(first + 1);
+        let [mut onward, _] = self.outward.both(get(first - 1), vertex);
+        let [mut ahead, _] = self.outward.both(vertex, next);
+        for i in first..=last {
+            if i > first || 2 * i == range.start {
+                put(2 * i, vertex);
             }
-            if 2 * i + 1 >= range.end {
+            if i == last && !ends_with_edge {
                 break;
             }
-            let beyond = self.outward.both(get(i + 1), get(i + 2));
-            put(2 * i + 1, midpoint(onward, beyond[1]));
-            onward = ahead[0];
-            ahead = beyond;
+            let after = get(i + 2);
+            let [beyond, back] = self.outward.both(next, after);
+            put(2 * i + 1, half(onward, back));
+            (onward, ahead) = (ahead, beyond);
+            (vertex, next) = (next, after);
         }
     }
 }

@@ -56,24 +56,15 @@ impl Surface {
     pub fn new(mut model: Model) -> Result<Self, Error> {
         model.check()?;
         sphere::unit(model.tangents.values_mut()).expect("checked");
-        let mut size = [model.tangents.row_count(), model.tangents.column_count()];
+        let steps = steps(&model)?;
         let mut levels = alloc::vec![Level {
             tangents: model.tangents.clone(),
             s: model.s.clone(),
             t: model.t.clone(),
             from: None,
         }];
-        let rule = model.rule()?;
-        for level in 1..=model.depth {
-            let step = |count: usize| {
-                Step::new(rule, model.ends, count)
-                    .map_err(|error| Error::Sphere { field: "tangents", error })
-            };
-            let (across, along) = (step(size[0])?, step(size[1])?);
-            size = [across.refined_count(), along.refined_count()];
-            if size[0] as u64 * size[1] as u64 > MAX_POINTS {
-                return Err(Error::TooLarge { depth: model.depth });
-            }
+        for (level, [across, along]) in (1..).zip(steps) {
+            let size = [across.refined_count(), along.refined_count()];
             let coarse = &levels[levels.len() - 1];
             let half = match model.order {
                 Order::St => [coarse.tangents.row_count(), size[1]],
@@ -99,9 +90,10 @@ impl Surface {
         surface.refine(0, &whole);
         surface.set_lengths()?;
         surface.begin = surface.model.initial.points(surface.t())?;
-        let columns = point_count(surface.model.integration, size[1]);
-        surface.points = Grid::filled(size[0], columns, Vec3::ZERO);
-        surface.integrate(0..size[0]);
+        let (rows, columns) = (surface.tangents().row_count(), surface.tangents().column_count());
+        let columns = point_count(surface.model.integration, columns);
+        surface.points = Grid::filled(rows, columns, Vec3::ZERO);
+        surface.integrate(0..rows);
         Ok(surface)
     }
 
@@ -414,6 +406,27 @@ impl Surface {
         };
         Grid::from_rows(rows.map(of_row)).expect("rows of one length")
     }
+}
+
+/// The steps across and along the streamlines, from the coarsest on; nothing large is made before
+/// all of them are known to fit.
+fn steps(model: &Model) -> Result<Vec<[Step; 2]>, Error> {
+    let rule = model.rule()?;
+    let step = |count: usize| {
+        Step::new(rule, model.ends, count)
+            .map_err(|error| Error::Sphere { field: "tangents", error })
+    };
+    let mut size = [model.tangents.row_count(), model.tangents.column_count()];
+    let mut steps = Vec::new();
+    for _ in 0..model.depth {
+        let [across, along] = [step(size[0])?, step(size[1])?];
+        size = [across.refined_count(), along.refined_count()];
+        if size[0] as u64 * size[1] as u64 > MAX_POINTS {
+            return Err(Error::TooLarge { depth: model.depth });
+        }
+        steps.push([across, along]);
+    }
+    Ok(steps)
 }
 
 /// The faces of a grid of vertices.
