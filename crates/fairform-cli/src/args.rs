@@ -433,7 +433,7 @@ pub(crate) struct Streamline {
     #[arg(long, value_enum)]
     pub(crate) ends: Option<EndsChoice>,
     /// Kobbelt's tension.
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub(crate) w: Option<f64>,
     /// Integrate straight from the middle between tangents to the next, or along circular arcs.
     #[arg(long, value_enum)]

@@ -196,6 +196,12 @@ fn patches_share_their_streamlines() {
     let info = folder.ok("info two.obj --json").json();
     assert_eq!((&info["components"], &info["boundary_loops"]), (&json!(1), &json!(1)));
 
+    fs::copy(data("streamline/patches.streamline.json"), folder.path("p.streamline.json")).unwrap();
+    folder.ok("streamline p.streamline.json -o p.obj");
+    let mesh = folder.mesh("p.obj");
+    assert_eq!((mesh.positions.len(), mesh.faces.len()), (9 * 9, 8 * 8));
+    assert_eq!(mesh.groups.unwrap().names, ["level", "falling"]);
+
     // Other parameters in the second patch are a seam; other points a gap.
     let file = json!({ "patches": [patch([0.0, 1.0, 2.0], 0.0), patch([0.0, 1.0, 2.0], 2.0)] });
     folder.write("seam.json", &file.to_string());

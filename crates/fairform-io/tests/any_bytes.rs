@@ -32,7 +32,9 @@ static SEEDS: LazyLock<Vec<(Format, Vec<u8>)>> = LazyLock::new(|| {
 /// Small model files, of each fixture what was given.
 static MODELS: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     let golden = common::data().join("golden");
-    let mut models = vec![PATCHES.to_vec()];
+    // All that the fixtures have not.
+    let patches = common::data().join("streamline/patches.streamline.json");
+    let mut models = vec![fs::read(patches).unwrap()];
     for folder in ["sphere", "streamline"] {
         for file in fs::read_dir(golden.join(folder)).unwrap() {
             let file: Value =
@@ -43,16 +45,6 @@ static MODELS: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     models.sort();
     models
 });
-
-/// All that the fixtures have not.
-const PATCHES: &[u8] = br#"{"version": 1, "name": "two", "display": {"view": "iso"}, "patches": [
-    {"tangents": [[[1, 0, 0], [0, 1, 0]]], "s": [[0, 1]], "t": [0], "depth": 0, "blend": "mean",
-     "initial": {"type": "polyline", "points": [[0, 0, 0]], "t": [0]}, "integration": "arcs"},
-    {"tangents": [[[1, 0, 0]], [[0, 1, 0]]], "lengths": [1, 2], "t": [0, 1], "s0": {"fraction": 0.5},
-     "initial": {"type": "nurbs", "points": [[0, 0, 0], [0, 1, 0]], "weights": [1, 2],
-        "knots": [0, 0, 1, 1], "degree": 1, "t0": 0, "t1": 1},
-     "length": {"type": "bspline", "lengths": [1, 2], "degree": 1, "t0": 0, "t1": 1},
-     "details": [{"level": 1, "row": 0, "column": 0, "predicted": [1, 0, 0], "tangent": [0, 1, 0]}]}]}"#;
 
 /// Parses, and checks that what comes out is written, and reads back the same.
 fn check_model(bytes: &[u8]) -> Result<(), TestCaseError> {

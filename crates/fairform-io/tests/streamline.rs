@@ -1,6 +1,7 @@
 //! Model files: reference values, every error by its field, and back to the same bits.
 
 mod common;
+mod schema;
 
 use std::fs;
 use std::path::Path;
@@ -14,6 +15,7 @@ use fairform::streamline::{
 use fairform_io::streamline::{Contents, Curve, Models, Patch};
 use fairform_io::{Error, Place, streamline as files};
 use proptest::prelude::*;
+use schema::Schema;
 use serde_json::{Value, json};
 
 fn golden(folder: &str) -> Vec<(String, Value)> {
@@ -75,6 +77,102 @@ fn reference_values_are_models() {
         seen += 1;
     }
     assert_eq!(seen, 13 + 21);
+}
+
+fn schema() -> Schema {
+    let path = common::data().join("../docs/streamline.schema.json");
+    Schema(serde_json::from_slice(&fs::read(path).unwrap()).unwrap())
+}
+
+/// The fixtures and the examples are what the schema says; their refinements are not.
+#[test]
+fn reference_values_and_examples_fit_the_schema() {
+    let schema = schema();
+    let curves = golden("sphere").into_iter().filter(|f| is_curve(&f.0));
+    for (name, fixture) in golden("streamline").into_iter().chain(curves) {
+        assert!(schema.accepts(&fixture), "{name}");
+        assert!(schema.accepts(&fixture["spec"]), "{name}");
+        assert!(!schema.accepts(&fixture["result"]), "{name}");
+    }
+    let mut seen = 0;
+    for file in fs::read_dir(common::data().join("streamline")).unwrap() {
+        let path = file.unwrap().path();
+        let bytes = fs::read(&path).unwrap();
+        let models = files::parse(&bytes).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        assert!(schema.accepts(&serde_json::from_slice(&bytes).unwrap()), "{}", path.display());
+        for patch in models.patches {
+            Surface::new(patch.model).unwrap();
+        }
+        seen += 1;
+    }
+    assert!(seen > 0);
+    for value in [small(), small_curve(), small_qi(), json!({ "patches": [small(), small()] })] {
+        assert!(schema.accepts(&value), "{value}");
+    }
+}
+
+/// Schema and reader know the same fields, need the same ones, and take no other values for them.
+#[test]
+fn schema_and_reader_agree() {
+    let schema = schema();
+    let patches = json!({ "patches": [small()] });
+    let refused = |value: &Value| {
+        assert!(!schema.accepts(value), "the schema takes {value}");
+        message(value)
+    };
+    for (definition, good, start) in [
+        ("surface", small(), ""),
+        ("patches", patches, ""),
+        ("curve", small_curve(), ""),
+        ("qiCurve", small_qi(), ""),
+        ("initial/anyOf/0", small(), "initial."),
+    ] {
+        let rules = schema.0.pointer(&format!("/$defs/{definition}")).unwrap();
+        let names: Vec<&String> = rules["properties"].as_object().unwrap().keys().collect();
+        let unknown = refused(&with(good.clone(), &format!("{start}qqqqqq"), json!(1)));
+        let (_, known) = unknown.split_once("; known are ").expect("a list of fields");
+        let mut known: Vec<&str> = known.split(", ").collect();
+        known.sort_unstable();
+        assert_eq!(known, names, "{definition}");
+        for name in names {
+            // No field takes this.
+            let found = refused(&with(good.clone(), &format!("{start}{name}"), json!([[true]])));
+            assert!(found.starts_with(&format!("{start}{name}")), "{definition}: {found}");
+        }
+        for name in rules["required"].as_array().unwrap() {
+            let name = name.as_str().unwrap();
+            let found = refused(&with(good.clone(), &format!("{start}{name}"), Value::Null));
+            // What has no scheme is taken for a surface.
+            assert!(name == "scheme" || found.contains("no field"), "{name}: {found}");
+        }
+    }
+    for (path, new) in [
+        ("version", json!(2)),
+        ("kind", json!("curve")),
+        ("tangents", json!([])),
+        ("tangents", json!([[[0, 0, 1.1]]])),
+        ("tangents", json!([[[0, 1]]])),
+        ("lengths", json!([1, 0, 1])),
+        ("s", json!([[0, 1], [0, 1], [0, 1]])),
+        ("scheme", json!("loop")),
+        ("w", json!(-8)),
+        ("depth", json!(33)),
+        ("depth", json!(0.5)),
+        ("s0", json!({ "fraction": "1" })),
+        (
+            "initial",
+            json!({ "type": "nurbs", "points": [[0, 0, 0]], "degree": 1, "t0": 0, "t1": 1 }),
+        ),
+        (
+            "initial",
+            json!({ "type": "qi", "tangents": [[0, 0, 1]], "order": 0, "length": 1, "t0": 0, "t1": 1 }),
+        ),
+        ("length", json!({ "type": "bspline", "lengths": [1, -1], "degree": 1, "t0": 0, "t1": 2 })),
+    ] {
+        refused(&with(small(), path, new));
+    }
+    refused(&with(with(small_curve(), "closed", json!(true)), "s", json!([0, 1, 2])));
+    refused(&with(small_qi(), "u", json!([0])));
 }
 
 /// A small model as JSON, with all that it must have.
@@ -571,6 +669,7 @@ proptest! {
             TestCaseError::fail(format!("{e} in {written}"))
         })?;
         prop_assert_eq!(&again, &models);
+        prop_assert!(schema().accepts(&serde_json::from_str(&written).unwrap()));
         prop_assert_eq!(text(&again), written);
     }
 
@@ -593,7 +692,9 @@ proptest! {
             integration: if flags[3] { Integration::Arcs } else { Integration::Midpoint },
             depth,
         });
-        prop_assert_eq!(files::parse_curve(curve_text(&curve).as_bytes()).unwrap(), curve);
+        let written = curve_text(&curve);
+        prop_assert!(schema().accepts(&serde_json::from_str(&written).unwrap()));
+        prop_assert_eq!(files::parse_curve(written.as_bytes()).unwrap(), curve);
     }
 }
 

@@ -10,6 +10,8 @@ use serde_json::{Value, json};
 use super::{Curve, Models, Patch, VERSION};
 use crate::error::Error;
 
+type Fields = Vec<(&'static str, Value)>;
+
 /// An object, field by field, each on a line of its own; lists of rows have a line for each row.
 struct Object {
     text: String,
@@ -35,6 +37,13 @@ impl Object {
         if let Some(value) = value {
             self.field(name, &value);
         }
+    }
+
+    /// An object on one line, its fields in the order given.
+    fn inline(&mut self, name: &str, fields: &Fields) {
+        self.key(name);
+        let field = |(name, value): &(&str, Value)| format!("\"{name}\": {}", spread(value));
+        self.text += &format!("{{{}}}", fields.iter().map(field).collect::<Vec<_>>().join(", "));
     }
 
     fn rows(&mut self, name: &str, rows: impl Iterator<Item = Value>) {
@@ -129,9 +138,11 @@ fn patch(patch: &Patch, indent: &'static str) -> Result<String, Error> {
     file.field("ends", &ends(model.ends)?.into());
     file.field("w", &json!(model.w));
     file.field("depth", &model.depth.into());
-    file.field("initial", &initial(&model.initial)?);
+    file.inline("initial", &initial(&model.initial)?);
     file.field("s0", &start(model.start)?);
-    file.field_if("length", model.length.as_ref().map(length_function).transpose()?);
+    if let Some(length) = &model.length {
+        file.inline("length", &length_function(length)?);
+    }
     integration_and_blend(&mut file, model.integration, model.blend);
     if !model.details.is_empty() {
         file.rows("details", model.details.iter().map(detail));
@@ -205,7 +216,7 @@ fn knots(knots: Knots) -> &'static str {
     }
 }
 
-fn initial(curve: &InitialCurve) -> Result<Value, Error> {
+fn initial(curve: &InitialCurve) -> Result<Fields, Error> {
     let finite = |points: &[Vec3], numbers: &[f64]| {
         let points = points.iter().all(|p| p.is_finite());
         all_finite(points && numbers.iter().all(|x| x.is_finite()))
@@ -213,46 +224,56 @@ fn initial(curve: &InitialCurve) -> Result<Value, Error> {
     match curve {
         InitialCurve::Polyline { points, t } => {
             finite(points, t)?;
-            Ok(json!({ "type": "polyline", "points": vectors(points), "t": t }))
+            Ok(vec![("type", "polyline".into()), ("points", vectors(points)), ("t", json!(t))])
         }
         InitialCurve::Bspline { points, weights, degree, knots, t0, t1 } => {
             finite(points, &[*t0, *t1])?;
             finite(&[], weights.as_deref().unwrap_or_default())?;
             finite(&[], knots.as_deref().unwrap_or_default())?;
             let kind = if weights.is_some() { "nurbs" } else { "bspline" };
-            let mut value = json!({ "type": kind, "points": vectors(points), "degree": degree,
-                "t0": t0, "t1": t1 });
-            for (name, list) in [("weights", weights), ("knots", knots)] {
-                if let Some(list) = list {
-                    value[name] = json!(list);
-                }
-            }
-            Ok(value)
+            let mut fields = vec![("type", kind.into()), ("points", vectors(points))];
+            fields.extend(weights.as_ref().map(|list| ("weights", json!(list))));
+            fields.push(("degree", json!(degree)));
+            fields.extend(knots.as_ref().map(|list| ("knots", json!(list))));
+            fields.extend([("t0", json!(t0)), ("t1", json!(t1))]);
+            Ok(fields)
         }
         InitialCurve::Qi { tangents, order, knots: places, length, start, t0, t1 } => {
             finite(tangents, &[*length, *t0, *t1])?;
             finite(&[*start], &[])?;
-            Ok(json!({ "type": "qi", "tangents": vectors(tangents), "order": order,
-                "knots": knots(*places), "length": length, "start": vector(*start),
-                "t0": t0, "t1": t1 }))
+            Ok(vec![
+                ("type", "qi".into()),
+                ("tangents", vectors(tangents)),
+                ("order", json!(order)),
+                ("knots", knots(*places).into()),
+                ("length", json!(length)),
+                ("start", vector(*start)),
+                ("t0", json!(t0)),
+                ("t1", json!(t1)),
+            ])
         }
         _ => Err(unwritable("an initial curve of this kind has no place in a model file")),
     }
 }
 
-fn length_function(length: &LengthFunction) -> Result<Value, Error> {
+fn length_function(length: &LengthFunction) -> Result<Fields, Error> {
     let finite = |list: &[f64]| all_finite(list.iter().all(|x| x.is_finite()));
     match length {
         LengthFunction::Polyline { lengths, t } => {
             finite(lengths)?;
             finite(t)?;
-            Ok(json!({ "type": "polyline", "lengths": lengths, "t": t }))
+            Ok(vec![("type", "polyline".into()), ("lengths", json!(lengths)), ("t", json!(t))])
         }
         LengthFunction::Bspline { lengths, degree, t0, t1 } => {
             finite(lengths)?;
             finite(&[*t0, *t1])?;
-            Ok(json!({ "type": "bspline", "lengths": lengths, "degree": degree,
-                "t0": t0, "t1": t1 }))
+            Ok(vec![
+                ("type", "bspline".into()),
+                ("lengths", json!(lengths)),
+                ("degree", json!(degree)),
+                ("t0", json!(t0)),
+                ("t1", json!(t1)),
+            ])
         }
     }
 }
