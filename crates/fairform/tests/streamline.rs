@@ -447,8 +447,8 @@ fn wrong_models_are_named() {
     assert!(matches!(error(bad), Error::TNotIncreasing { index: 1 }));
     let bad = Model { scheme: Scheme::Loop, ..model() };
     assert!(matches!(error(bad), Error::BadScheme { .. }));
-    let bad = Model { depth: 40, ..model() };
-    assert!(matches!(error(bad), Error::TooLarge { depth: 40 }));
+    let bad = Model { depth: 30, ..model() };
+    assert!(matches!(error(bad), Error::TooLarge { depth: 30 }));
     let bad = Model { t: vec![0.0, 1.0, 2.0, 9.0], ..model() };
     assert!(matches!(error(bad), Error::OutsideCurve { .. }));
     let bad = Model { start: Start::At(f64::NAN), ..model() };
