@@ -30,7 +30,10 @@ pub(crate) fn run(args: &[&str]) -> Result {
         let corpus = format!("fuzz/corpus/{target}");
         fs::create_dir_all(root().join(&corpus)).map_err(|e| format!("{corpus}: {e}"))?;
         // What is found goes to the first folder; the others are only read.
-        let seeds = ["data/meshes/odd", "data/meshes/bad"];
+        let seeds = match target.as_str() {
+            "streamline" => ["data/streamline", "data/golden/sphere"],
+            _ => ["data/meshes/odd", "data/meshes/bad"],
+        };
         let seconds = format!("-max_total_time={seconds}");
         let limits = ["-timeout=10", "-rss_limit_mb=2048", "-max_len=4096", "-print_final_stats=1"];
         let mut command = nightly_cargo(&["fuzz", "run", target, &corpus]);

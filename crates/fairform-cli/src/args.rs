@@ -6,6 +6,8 @@ use std::path::PathBuf;
 use clap::{Parser, Subcommand, ValueEnum};
 use fairform::Scheme;
 use fairform::interpolate::{Method, Norm};
+use fairform::sphere::Ends;
+use fairform::streamline::{Integration, MAX_DEPTH, Order};
 use fairform_io::Format;
 use fairform_render::{Range, View};
 
@@ -52,6 +54,8 @@ pub(crate) enum Command {
     Repair(Repair),
     Render(Box<Render>),
     Compare(Compare),
+    Curve(Curve),
+    Streamline(Streamline),
     /// Print a completion script for a shell.
     #[command(after_help = "Examples:\n  \
         fairform completions bash > ~/.bash_completion.d/fairform\n  \
@@ -403,6 +407,147 @@ pub(crate) struct Compare {
     pub(crate) view: View,
 }
 
+/// Refine and integrate a curve of tangents.
+#[derive(clap::Args, Debug)]
+#[command(
+    after_help = "SPEC is JSON: a scheme (chaikin, cubic, four-point, or qi for a QI curve) and unit \
+    tangents; the guide describes all fields. OUT.json gets the refined tangents, their parameters \
+    and the points; OUT.obj the points as a polyline.\n\nExamples:\n  \
+    fairform curve spec.json -o curve.json\n  \
+    fairform curve spec.json -o curve.obj --depth 5\n  \
+    echo '{\"scheme\": \"qi\", \"tangents\": [[1,0,0], [0,1,0]], \"order\": 2, \"length\": 1, \
+    \"samples\": 9}' | fairform curve - -o arc.json"
+)]
+pub(crate) struct Curve {
+    /// The curve to read; - is standard input.
+    #[arg(value_name = "SPEC.json")]
+    pub(crate) input: PathBuf,
+    /// Where to write the result: .json or .obj; - is standard output.
+    #[arg(short, long, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    /// Refinement steps, instead of those in the file.
+    #[arg(long, value_name = "N", value_parser = depth())]
+    pub(crate) depth: Option<u32>,
+}
+
+/// Make a surface of streamlines: a grid of tangents, refined and integrated.
+#[derive(clap::Args, Debug)]
+#[command(
+    after_help = "MODEL is JSON; the guide describes it, and --new writes one to begin with. \
+    SURFACE is a mesh of quadrilaterals with (s, t) as texture coordinates; or, if it ends in .json, \
+    the refined tangents, parameters and points; or, if it ends in .streamline.json, the model itself \
+    with the options applied.\n\nExamples:\n  \
+    fairform streamline --new wave -o wave.streamline.json\n  \
+    fairform streamline wave.streamline.json -o wave.ply\n  \
+    fairform streamline wave.streamline.json -o fine.glb --depth 5 --integration arcs\n  \
+    fairform streamline wave.streamline.json --stats"
+)]
+#[group(skip)]
+pub(crate) struct Streamline {
+    /// The model to read, also gzip-compressed; - is standard input.
+    #[arg(value_name = "MODEL.json", required_unless_present = "new")]
+    pub(crate) input: Option<PathBuf>,
+    /// Begin with a new model instead: flat, arc and wave are small, car is an example.
+    #[arg(long, value_enum, conflicts_with = "input")]
+    pub(crate) new: Option<Starter>,
+    /// Where to write the surface.
+    #[arg(short, long, value_name = "SURFACE", required_unless_present = "stats")]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) writing: Writing,
+    /// Refinement steps, instead of those in the model, as all that follows.
+    #[arg(long, value_name = "N", value_parser = depth())]
+    pub(crate) depth: Option<u32>,
+    /// Subdivision scheme.
+    #[arg(long, value_enum)]
+    pub(crate) scheme: Option<TangentScheme>,
+    /// Refine along the streamlines first (st), or across (ts).
+    #[arg(long, value_enum)]
+    pub(crate) order: Option<OrderChoice>,
+    /// Let the borders shrink as the scheme does by itself, or keep them.
+    #[arg(long, value_enum)]
+    pub(crate) ends: Option<EndsChoice>,
+    /// Kobbelt's tension.
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    pub(crate) w: Option<f64>,
+    /// Integrate straight from the middle between tangents to the next, or along circular arcs.
+    #[arg(long, value_enum)]
+    pub(crate) integration: Option<IntegrationChoice>,
+    /// Also say lengths, curvature along the streamlines, and bending energy.
+    #[arg(long)]
+    pub(crate) stats: bool,
+}
+
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Starter {
+    Flat,
+    Arc,
+    Wave,
+    Car,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug)]
+pub(crate) enum TangentScheme {
+    DooSabin,
+    CatmullClark,
+    Kobbelt,
+}
+
+impl From<TangentScheme> for Scheme {
+    fn from(choice: TangentScheme) -> Self {
+        match choice {
+            TangentScheme::DooSabin => Self::DooSabin,
+            TangentScheme::CatmullClark => Self::CatmullClark,
+            TangentScheme::Kobbelt => Self::Kobbelt,
+        }
+    }
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug)]
+pub(crate) enum OrderChoice {
+    St,
+    Ts,
+}
+
+impl From<OrderChoice> for Order {
+    fn from(choice: OrderChoice) -> Self {
+        match choice {
+            OrderChoice::St => Self::St,
+            OrderChoice::Ts => Self::Ts,
+        }
+    }
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug)]
+pub(crate) enum EndsChoice {
+    Natural,
+    Clamped,
+}
+
+impl From<EndsChoice> for Ends {
+    fn from(choice: EndsChoice) -> Self {
+        match choice {
+            EndsChoice::Natural => Self::Natural,
+            EndsChoice::Clamped => Self::Clamped,
+        }
+    }
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug)]
+pub(crate) enum IntegrationChoice {
+    Midpoint,
+    Arcs,
+}
+
+impl From<IntegrationChoice> for Integration {
+    fn from(choice: IntegrationChoice) -> Self {
+        match choice {
+            IntegrationChoice::Midpoint => Self::Midpoint,
+            IntegrationChoice::Arcs => Self::Arcs,
+        }
+    }
+}
+
 /// A mesh to read.
 #[derive(clap::Args, Debug)]
 pub(crate) struct Input {
@@ -518,6 +663,10 @@ pub(crate) enum BorderChoice {
 pub(crate) enum CornerChoice {
     Smooth,
     Sharp,
+}
+
+fn depth() -> clap::builder::RangedI64ValueParser<u32> {
+    clap::value_parser!(u32).range(0..=i64::from(MAX_DEPTH))
 }
 
 fn threads(text: &str) -> Result<NonZeroUsize, String> {

@@ -58,6 +58,11 @@ pub(crate) fn is_dash(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
+/// Whether a name ends in `.json`.
+pub(crate) fn is_json(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"))
+}
+
 pub(crate) fn read(source: &Source, console: &Console) -> Result<MeshData, Failure> {
     if is_dash(source.path) && source.format.is_none() {
         return Err(Failure::usage("standard input has no name that tells its format")

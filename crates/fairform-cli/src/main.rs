@@ -5,6 +5,7 @@ mod commands;
 mod console;
 mod failure;
 mod input;
+mod models;
 mod rules;
 mod steps;
 mod surface;
@@ -49,6 +50,8 @@ fn run(args: &Args, console: &Console) -> Result<ExitCode, Failure> {
         Command::Repair(args) => commands::repair::run(args, console),
         Command::Compare(args) => commands::compare::run(args, console),
         Command::Render(args) => commands::render::run(args, console),
+        Command::Curve(args) => commands::curve::run(args, console),
+        Command::Streamline(args) => commands::streamline::run(args, console),
         Command::Completions { shell } => commands::completions::run(*shell, console),
     }
 }

@@ -329,7 +329,7 @@ pub(crate) fn check_memory(surface: &Surface, levels: u32, source: &Source) -> R
 }
 
 /// Free memory in bytes, where the system tells it as a file.
-fn available_memory() -> Option<u64> {
+pub(crate) fn available_memory() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;

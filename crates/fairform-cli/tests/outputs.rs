@@ -188,8 +188,18 @@ fn help_and_completions() {
         String::from_utf8(run.stdout).unwrap()
     };
     let all = help("--help");
-    for command in ["fit", "refine", "limit", "info", "convert", "repair", "render", "completions"]
-    {
+    for command in [
+        "fit",
+        "refine",
+        "limit",
+        "info",
+        "convert",
+        "repair",
+        "render",
+        "curve",
+        "streamline",
+        "completions",
+    ] {
         assert!(all.contains(&format!("\n  {command} ")), "{command}");
         let text = help(&format!("{command} --help"));
         assert!(text.contains("Examples:\n  fairform "), "{text}");

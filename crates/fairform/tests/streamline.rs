@@ -3,10 +3,10 @@
 mod common;
 
 use common::{assert_near, golden, golden_names, number, points};
-use fairform::sphere::{self, Ends, Knots};
+use fairform::sphere::{self, Blend, Ends, Knots, Rule};
 use fairform::streamline::{
-    self, Error, Grid, InitialCurve, Integration, LengthFunction, Model, Order, Start, Surface,
-    spaced,
+    self, Curve, Error, Grid, InitialCurve, Integration, LengthFunction, Model, Order, Start,
+    Surface, spaced,
 };
 use fairform::{Scheme, Vec3};
 use proptest::prelude::*;
@@ -447,8 +447,8 @@ fn wrong_models_are_named() {
     assert!(matches!(error(bad), Error::TNotIncreasing { index: 1 }));
     let bad = Model { scheme: Scheme::Loop, ..model() };
     assert!(matches!(error(bad), Error::BadScheme { .. }));
-    let bad = Model { depth: 40, ..model() };
-    assert!(matches!(error(bad), Error::TooLarge { depth: 40 }));
+    let bad = Model { depth: 30, ..model() };
+    assert!(matches!(error(bad), Error::TooLarge { depth: 30 }));
     let bad = Model { t: vec![0.0, 1.0, 2.0, 9.0], ..model() };
     assert!(matches!(error(bad), Error::OutsideCurve { .. }));
     let bad = Model { start: Start::At(f64::NAN), ..model() };
@@ -475,4 +475,63 @@ fn a_surface_is_a_manifold_grid() {
     let mesh = surface.mesh().unwrap();
     assert_eq!(mesh.topology().face_count(), 40 * 65);
     assert_eq!(mesh.topology().uniform_face_size(), Some(4));
+}
+
+/// A curve is the streamline of a surface with one row, and its own refinement of the tangents.
+#[test]
+fn a_curve_is_one_streamline() {
+    let tangents: Vec<Vec3> =
+        [0.0, 0.3, 0.9, 1.1].map(|a: f64| Vec3::new(libm::cos(a), libm::sin(a), 0.0)).to_vec();
+    let s = vec![0.0, 1.0, 1.5, 3.0];
+    let at = Vec3::new(1.0, 2.0, 3.0);
+    for start in [Start::Min, Start::Max, Start::At(0.7), Start::Fraction(0.5)] {
+        for integration in [Integration::Midpoint, Integration::Arcs] {
+            let curve = Curve {
+                tangents: tangents.clone(),
+                s: Some(s.clone()),
+                rule: Rule::Cubic,
+                ends: Ends::Natural,
+                blend: Blend::Pairs,
+                start,
+                at,
+                integration,
+                depth: 2,
+            };
+            let refined = curve.refine().unwrap();
+            let row = Model {
+                s: Grid::from_rows([refined.s.clone()]).unwrap(),
+                start,
+                integration,
+                ..Model::new(
+                    Grid::from_rows([refined.tangents.clone()]).unwrap(),
+                    &[],
+                    vec![0.0],
+                    InitialCurve::Polyline { points: vec![at], t: vec![0.0] },
+                )
+            };
+            assert_eq!(Surface::new(row).unwrap().points().row(0), refined.points);
+            let bad = Curve { ends: Ends::Closed, ..curve.clone() };
+            assert_eq!(bad.refine(), Err(Error::Closed));
+            let bad = Curve { s: Some(vec![0.0, 1.0, 1.0, 2.0]), ..curve.clone() };
+            assert_eq!(bad.refine(), Err(Error::NotIncreasing { level: 0, row: 0, column: 2 }));
+            let bad = Curve { depth: 33, ..curve };
+            assert!(matches!(bad.refine(), Err(Error::BadNumber { field: "depth", .. })));
+        }
+    }
+}
+
+/// Two tangents stay two under Chaikin's rule, so the number of points bounds nothing.
+#[test]
+fn a_depth_without_end_is_an_error() {
+    let initial = InitialCurve::Polyline {
+        points: vec![Vec3::ZERO, Vec3::new(0.0, 1.0, 0.0)],
+        t: vec![0.0, 1.0],
+    };
+    let tangents = Grid::filled(2, 2, Vec3::new(1.0, 0.0, 0.0));
+    let model = Model {
+        scheme: Scheme::DooSabin,
+        depth: u32::MAX,
+        ..Model::new(tangents, &[1.0; 2], vec![0.0, 1.0], initial)
+    };
+    assert!(matches!(Surface::new(model), Err(Error::BadNumber { field: "depth", .. })));
 }

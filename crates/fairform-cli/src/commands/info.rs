@@ -2,24 +2,29 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::path::Path;
 use std::process::ExitCode;
 
 use fairform::interpolate::{Interpolator, StageName};
 use fairform::repair::Soup;
 use fairform::{Bounds, Defect, Error, Faces, Mesh, Scheme, pushback};
-use fairform_io::MeshData;
+use fairform_io::{MeshData, streamline};
 use serde_json::{Value, json};
 
 use crate::args::Info;
 use crate::console::{Console, count};
 use crate::failure::Failure;
 use crate::input::{self, Source};
+use crate::models::{self, short};
 use crate::rules;
 use crate::steps::{self, Steps, coincident};
 use crate::surface::Surface;
 
 pub(crate) fn run(args: &Info, console: &Console) -> Result<ExitCode, Failure> {
     let source = Source::from(&args.input);
+    if args.input.from.is_none() && is_json(&args.input.input) {
+        return models(args, &source, console);
+    }
     let data = input::read(&source, console)?;
     let judgement = match (args.scheme, args.rules.made()) {
         (Some(scheme), _) => Some(Judgement::new(scheme, args, &data, &source)?),
@@ -42,6 +47,32 @@ pub(crate) fn run(args: &Info, console: &Console) -> Result<ExitCode, Failure> {
         let mut text = facts.text(&source);
         if let Some(judgement) = &judgement {
             text += &judgement.text();
+        }
+        console.print(&text)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Whether a name says JSON, packed or not.
+fn is_json(path: &Path) -> bool {
+    let packed = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"));
+    input::is_json(if packed { Path::new(path.file_stem().unwrap_or_default()) } else { path })
+}
+
+/// Says what is in a file of streamline models, or of a curve.
+fn models(args: &Info, source: &Source, console: &Console) -> Result<ExitCode, Failure> {
+    if args.scheme.is_some() {
+        return Err(Failure::usage("--scheme is about meshes; a model names its own"));
+    }
+    let contents = streamline::read_any(&args.input.input)?;
+    if console.json() {
+        let mut json = models::contents_json(&contents);
+        json["file"] = source.to_string().into();
+        console.result(&json)?;
+    } else {
+        let mut text = format!("{source}\n");
+        for (what, value) in models::contents_rows(&contents) {
+            let _ = writeln!(text, "  {what:<12}{value}");
         }
         console.print(&text)?;
     }
@@ -381,16 +412,6 @@ impl Facts {
             row(if ready { "to join" } else { "to fit it" }, source.repair(steps));
         }
         text
-    }
-}
-
-/// A number in at most six digits.
-fn short(x: f64) -> String {
-    let rounded: f64 = format!("{x:.5e}").parse().unwrap_or(x);
-    if rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs()) {
-        format!("{}", rounded + 0.0)
-    } else {
-        format!("{rounded:e}")
     }
 }
 

@@ -13,7 +13,7 @@ use crate::rules;
 use crate::surface::Surface;
 
 pub(crate) fn run(args: &Limit, console: &Console) -> Result<ExitCode, Failure> {
-    let named_json = args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
+    let named_json = input::is_json(&args.output);
     let as_json = args.writing.to.is_none() && (named_json || input::is_dash(&args.output));
     if !as_json {
         input::check_mesh(&args.output, &args.writing)?;
