@@ -19,6 +19,7 @@
 //! picture find what is nearest at sixteen places of every pixel (`raster`) and colour it (`shade`).
 //! The same input gives the same bytes on any number of threads.
 
+mod arrow;
 mod camera;
 mod canvas;
 mod colour;
@@ -27,8 +28,10 @@ mod error;
 mod layout;
 mod legend;
 mod light;
+mod model_view;
 mod paint;
 mod par;
+mod part;
 mod picture;
 mod plot;
 mod polygon;
@@ -36,19 +39,24 @@ mod raster;
 mod render;
 mod scene;
 mod shade;
+mod sphere_view;
 mod surface;
 mod text;
 mod ticks;
 mod values;
 mod view;
 
+pub use arrow::{Arrow, Extent, Head, ParseHeadError};
 pub use colour::{Colour, ParseColourError};
 pub use colour_map::{ColourMap, ParseColourMapError};
 pub use error::RenderError;
+pub use model_view::{ModelView, ParseShowError, Show};
+pub use part::Part;
 pub use picture::Picture;
 pub use plot::{Series, plot_svg};
 pub use render::{MAX_PIXELS, MAX_SIDE, Options, render};
 pub use scene::{Body, Dot, Line, Panel, Style};
+pub use sphere_view::{Directions, SphereView};
 pub use surface::{ParseSurfaceError, Surface};
 pub use values::{ParseRangeError, Per, Range, Values};
 pub use view::{Axis, ParseViewError, View};

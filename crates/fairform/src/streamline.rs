@@ -35,6 +35,7 @@ mod error;
 mod grid;
 mod initial;
 mod integrate;
+mod normals;
 mod surface;
 
 pub use curvature::{Curvature, curvature};
