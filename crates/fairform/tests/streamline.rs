@@ -4,7 +4,7 @@ mod common;
 
 use common::{assert_near, golden, golden_names, number, points};
 use fairform::sphere::{Ends, Knots};
-use fairform::streamline::{Grid, InitialCurve, Model, Order, Start, Surface, spaced};
+use fairform::streamline::{Grid, InitialCurve, Integration, Model, Order, Start, Surface, spaced};
 use fairform::{Scheme, Vec3};
 use serde_json::Value;
 
@@ -92,4 +92,35 @@ fn surfaces_are_the_reference_values() {
             assert!((a - b).abs() < 1e-12, "{name}: t is {a}, not {b}");
         }
     }
+}
+
+/// Meridians from a pole: the normals are radial, up to the second order in the distance of the
+/// streamlines; at the pole, where all meet, there is none.
+#[test]
+fn normals_of_a_sphere_are_radial_in_the_limit() {
+    let error = |rows: usize| {
+        let turn = |k: usize| 1.5 * k as f64 / (rows - 1) as f64;
+        let row = |k: usize| {
+            (0..9).map(move |i| {
+                let a = 0.15 * i as f64;
+                let (c, s) = (libm::cos(a), libm::sin(a));
+                Vec3::new(c * libm::cos(turn(k)), c * libm::sin(turn(k)), -s)
+            })
+        };
+        let grid = Grid::from_rows((0..rows).map(row)).unwrap();
+        let t: Vec<f64> = (0..rows).map(turn).collect();
+        let pole = Vec3::new(0.0, 0.0, 1.0);
+        let initial = InitialCurve::Polyline { points: vec![pole; 2], t: vec![0.0, 1.5] };
+        let model = Model::new(grid, &vec![1.2; rows], t, initial);
+        let surface = Surface::new(Model { integration: Integration::Arcs, ..model }).unwrap();
+        let normals = surface.normals();
+        assert!((0..rows).all(|k| normals[(k, 0)] == Vec3::ZERO));
+        let pairs = normals.values().iter().zip(surface.points().values());
+        pairs
+            .filter(|(n, _)| **n != Vec3::ZERO)
+            .map(|(n, p)| (*n - *p).length())
+            .fold(0.0, f64::max)
+    };
+    let [coarse, fine] = [error(9), error(17)];
+    assert!(fine < 0.01 && coarse / fine > 3.4 && coarse / fine < 4.6, "{coarse} {fine}");
 }
