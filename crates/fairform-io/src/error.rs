@@ -10,6 +10,13 @@ use std::path::PathBuf;
 pub enum Place {
     /// A line of a text, from 1.
     Line(u64),
+    /// A character of a text: its line and its place in it, both from 1.
+    Character {
+        /// The line.
+        line: u64,
+        /// The place, in bytes.
+        column: u64,
+    },
     /// An offset into binary data, from 0.
     Byte(u64),
     /// The file as a whole.
@@ -32,6 +39,7 @@ impl fmt::Display for ParseError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.place {
             Place::Line(line) => write!(f, "line {line}: ")?,
+            Place::Character { line, column } => write!(f, "line {line}, column {column}: ")?,
             Place::Byte(byte) => write!(f, "byte {byte}: ")?,
             Place::File => {}
         }

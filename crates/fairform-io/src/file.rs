@@ -38,11 +38,15 @@ pub fn read(path: &Path, format: Option<Format>) -> Result<MeshData, Error> {
 /// The format to use for a path, and whether it says gzip.
 fn resolve(path: &Path, format: Option<Format>) -> Result<(Format, bool), Error> {
     let named = Format::from_path(path);
-    let gzip = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"));
+    let gzip = is_gzip_name(path);
     match format.or(named.map(|(format, _)| format)) {
         Some(format) => Ok((format, gzip)),
         None => Err(Error::UnknownFormat { path: path.into() }),
     }
+}
+
+fn is_gzip_name(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"))
 }
 
 fn is_standard(path: &Path) -> bool {
@@ -109,26 +113,80 @@ pub fn write(
     options: &WriteOptions,
 ) -> Result<Vec<String>, Error> {
     let (format, gzip) = resolve(path, format)?;
-    let mut notes = Ok(Vec::new());
+    save_encoded(path, gzip, &mut |out| encode(format, data, options, out))
+}
+
+/// Saves what an encoder writes, compressed or not; what it refuses keeps the old file.
+fn save_encoded<T: Default>(
+    path: &Path,
+    gzip: bool,
+    encode: &mut dyn FnMut(&mut dyn Write) -> Result<T, Error>,
+) -> Result<T, Error> {
+    let mut made = Ok(T::default());
     let saved = save(path, &mut |out| {
         let result = if gzip {
             // Without a name or time in it, the same data give the same bytes.
             let mut packer = GzBuilder::new().write(out, Compression::default());
-            encode(format, data, options, &mut packer)
-                .and_then(|notes| packer.finish().map(|_| notes).map_err(Error::Output))
+            encode(&mut packer)
+                .and_then(|made| packer.finish().map(|_| made).map_err(Error::Output))
         } else {
-            encode(format, data, options, out)
+            encode(out)
         };
         match result {
             Err(Error::Output(error)) => return Err(error),
-            result => notes = result,
+            result => made = result,
         }
         // Anything makes `save` keep the old file.
-        if notes.is_err() { Err(io::ErrorKind::InvalidData.into()) } else { Ok(()) }
+        if made.is_err() { Err(io::ErrorKind::InvalidData.into()) } else { Ok(()) }
     });
-    match notes {
+    match made {
         Err(error) => Err(error),
-        Ok(notes) => saved.map(|()| notes),
+        Ok(made) => saved.map(|()| made),
+    }
+}
+
+/// Files of models, for [`crate::streamline`].
+pub(crate) mod streamline {
+    use super::{Error, Path, is_gzip_name, read_bytes, save_encoded};
+    use crate::error::ParseError;
+    use crate::streamline::{Contents, Curve, Models, encode, parse, parse_any, parse_curve};
+
+    /// Reads the models in a file, gzipped or not. `-` is the standard input.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or as [`parse`]; the error names the file.
+    pub fn read(path: &Path) -> Result<Models, Error> {
+        read_by(path, parse)
+    }
+
+    /// Reads the curve in a file.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or as [`parse_curve`]; the error names the file.
+    pub fn read_curve(path: &Path) -> Result<Curve, Error> {
+        read_by(path, parse_curve)
+    }
+
+    /// Reads the surface or curve in a file.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or as [`parse_any`]; the error names the file.
+    pub fn read_any(path: &Path) -> Result<Contents, Error> {
+        read_by(path, parse_any)
+    }
+
+    fn read_by<T>(path: &Path, parse: fn(&[u8]) -> Result<T, ParseError>) -> Result<T, Error> {
+        let bytes = read_bytes(path).map_err(|source| Error::Read { path: path.into(), source })?;
+        parse(&bytes).map_err(|source| Error::Parse { path: path.into(), source })
+    }
+
+    /// Writes models whole or not at all; a name that ends in `.gz` is compressed. `-` is the
+    /// standard output.
+    ///
+    /// # Errors
+    /// As [`encode`], or if the file cannot be written; the error names it.
+    pub fn write(path: &Path, models: &Models) -> Result<(), Error> {
+        save_encoded(path, is_gzip_name(path), &mut |out| encode(models, out))
     }
 }
 

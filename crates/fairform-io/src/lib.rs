@@ -1,4 +1,5 @@
-//! Polygon meshes from bytes and to bytes: OBJ, OFF, PLY, STL, glTF and GLB, also gzipped.
+//! Polygon meshes from bytes and to bytes: OBJ, OFF, PLY, STL, glTF and GLB, also gzipped; and
+//! [models](streamline) of streamline surfaces.
 //!
 //! The readers take any bytes and give a [`MeshData`] or a [`ParseError`] that names the place.
 //! They promise nothing about the faces except that every corner is a vertex of the mesh: faces
@@ -34,6 +35,7 @@ mod obj;
 mod off;
 mod ply;
 mod stl;
+pub mod streamline;
 mod text;
 mod triangulate;
 mod weld;

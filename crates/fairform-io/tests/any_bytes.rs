@@ -5,10 +5,12 @@ mod common;
 use std::fs;
 use std::sync::LazyLock;
 
+use fairform_io::streamline::{self, Contents};
 use fairform_io::{Format, MeshData, WriteOptions, encode, parse};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
+use serde_json::Value;
 
 /// Small files of every format, good and bad, to make others from.
 static SEEDS: LazyLock<Vec<(Format, Vec<u8>)>> = LazyLock::new(|| {
@@ -26,6 +28,45 @@ static SEEDS: LazyLock<Vec<(Format, Vec<u8>)>> = LazyLock::new(|| {
     seeds.sort_by(|a, b| a.1.cmp(&b.1));
     seeds
 });
+
+/// Small model files, of each fixture what was given.
+static MODELS: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
+    let golden = common::data().join("golden");
+    let mut models = vec![PATCHES.to_vec()];
+    for folder in ["sphere", "streamline"] {
+        for file in fs::read_dir(golden.join(folder)).unwrap() {
+            let file: Value =
+                serde_json::from_slice(&fs::read(file.unwrap().path()).unwrap()).unwrap();
+            models.extend(file.get("spec").map(|spec| spec.to_string().into_bytes()));
+        }
+    }
+    models.sort();
+    models
+});
+
+/// All that the fixtures have not.
+const PATCHES: &[u8] = br#"{"version": 1, "name": "two", "display": {"view": "iso"}, "patches": [
+    {"tangents": [[[1, 0, 0], [0, 1, 0]]], "s": [[0, 1]], "t": [0], "depth": 0, "blend": "mean",
+     "initial": {"type": "polyline", "points": [[0, 0, 0]], "t": [0]}, "integration": "arcs"},
+    {"tangents": [[[1, 0, 0]], [[0, 1, 0]]], "lengths": [1, 2], "t": [0, 1], "s0": {"fraction": 0.5},
+     "initial": {"type": "nurbs", "points": [[0, 0, 0], [0, 1, 0]], "weights": [1, 2],
+        "knots": [0, 0, 1, 1], "degree": 1, "t0": 0, "t1": 1},
+     "length": {"type": "bspline", "lengths": [1, 2], "degree": 1, "t0": 0, "t1": 1},
+     "details": [{"level": 1, "row": 0, "column": 0, "predicted": [1, 0, 0], "tangent": [0, 1, 0]}]}]}"#;
+
+/// Parses, and checks that what comes out is written, and reads back the same.
+fn check_model(bytes: &[u8]) -> Result<(), TestCaseError> {
+    let Ok(contents) = streamline::parse_any(bytes) else { return Ok(()) };
+    let mut out = Vec::new();
+    let written = match &contents {
+        Contents::Surface(models) => streamline::encode(models, &mut out),
+        Contents::Curve(curve) => streamline::encode_curve(curve, &mut out),
+        _ => return Ok(()),
+    };
+    prop_assert!(written.is_ok());
+    prop_assert_eq!(streamline::parse_any(&out), Ok(contents));
+    Ok(())
+}
 
 /// What a mesh takes.
 fn size(data: &MeshData) -> usize {
@@ -137,8 +178,19 @@ proptest! {
     }
 
     #[test]
+    fn changed_models_give_models_or_an_error(seed in any::<Index>(), changes in vec(change(), 0..5)) {
+        let mut bytes = MODELS[seed.index(MODELS.len())].clone();
+        for change in &changes {
+            change.apply(&mut bytes);
+        }
+        check_model(&bytes)?;
+    }
+
+    #[test]
     fn a_file_under_a_wrong_name_gives_a_mesh_or_an_error(seed in any::<Index>(), format in select(&Format::ALL[..])) {
-        check(&SEEDS[seed.index(SEEDS.len())].1, format)?;
+        let bytes = &SEEDS[seed.index(SEEDS.len())].1;
+        check(bytes, format)?;
+        check_model(bytes)?;
     }
 
     #[test]
@@ -150,5 +202,6 @@ proptest! {
         let mut all = start.to_vec();
         all.extend(bytes);
         check(&all, format)?;
+        check_model(&all)?;
     }
 }

@@ -127,7 +127,7 @@ fn bands(head: Head) -> Vec<[Ring; 2]> {
     bands.extend(cone(0.68, 0.092, 1.0));
     match head {
         Head::Cone => {}
-        Head::Double => bands.extend(cone(0.46, 0.092, 0.74)),
+        Head::Double => bands.extend(cone(0.40, 0.092, 0.70)),
         Head::Disc => {
             let [back, front, radius] = [0.50, 0.55, 0.105];
             bands.push(band([back, 0.0], [back, radius]));

@@ -31,6 +31,7 @@ use crate::scheme::{Scheme, kobbelt};
 use crate::sphere::{self, Blend, Ends, Rule};
 
 mod curvature;
+mod curve;
 mod error;
 mod grid;
 mod initial;
@@ -39,6 +40,7 @@ mod normals;
 mod surface;
 
 pub use curvature::{Curvature, curvature};
+pub use curve::{Curve, RefinedCurve};
 pub use error::{Error, Warning};
 pub use grid::{Grid, Rect};
 pub use initial::{InitialCurve, LengthFunction};
@@ -46,6 +48,10 @@ pub use surface::{Changed, Surface};
 
 /// Most points that a refined model may have: memory for more is not what was meant.
 pub const MAX_POINTS: u64 = 1 << 26;
+
+/// Most refinement steps: some rules make no more of the fewest tangents that they take, however
+/// often.
+pub const MAX_DEPTH: u32 = 32;
 
 /// In which direction tangents are refined first; the results differ at third order in the spread.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -175,6 +181,9 @@ impl Model {
     /// What does not, by field, row and column.
     pub fn check(&self) -> Result<(), Error> {
         self.rule()?;
+        if self.depth > MAX_DEPTH {
+            return Err(too_deep(self.depth));
+        }
         let (rows, columns) = (self.tangents.row_count(), self.tangents.column_count());
         if rows == 0 || columns == 0 {
             return Err(Error::Empty);
@@ -238,6 +247,10 @@ impl Model {
         }
         warnings
     }
+}
+
+fn too_deep(depth: u32) -> Error {
+    Error::BadNumber { field: "depth", expected: "at most 32", value: f64::from(depth) }
 }
 
 /// The first place where a list does not increase, or is not finite.

@@ -1,12 +1,12 @@
 //! `fairform render`.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 use fairform::{Rules, Scheme, fairness};
 use fairform_io::MeshData;
 use fairform_render::{
-    Body, Colour, ColourMap, Dot, Line, Options, Panel, Surface as SurfaceLook, Values, View,
+    Body, Colour, ColourMap, Dot, Line, Options, Panel, Part, Surface as SurfaceLook, Values, View,
 };
 use serde_json::json;
 
@@ -17,11 +17,25 @@ use crate::input::{self, Source};
 use crate::rules;
 use crate::surface::{Surface, check_memory};
 
+mod model;
+
+use model::Sheet;
+
 pub(crate) fn run(args: &Render, console: &Console) -> Result<ExitCode, Failure> {
     check_picture(&args.output)?;
     input::check_outputs(&[&args.output], console)?;
-    let read = |path: &PathBuf| input::read(&Source { path, format: args.from }, console);
-    let mut meshes = args.inputs.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let mut sheets = Vec::new();
+    for path in &args.inputs {
+        if model::is_model(path) {
+            sheets.extend(model::sheets(path, args)?);
+        } else {
+            let data = input::read(&Source { path, format: args.from }, console)?;
+            sheets.push(Sheet::of_mesh(path, data));
+        }
+    }
+    let mut meshes: Vec<MeshData> =
+        sheets.iter_mut().map(|sheet| std::mem::take(&mut sheet.data)).collect();
+    model::check(args, &sheets)?;
     if let Some(scheme) = args.scheme {
         if args.colour == Some(ColourChoice::Tension) {
             return Err(Failure::usage(
@@ -29,19 +43,23 @@ pub(crate) fn run(args: &Render, console: &Console) -> Result<ExitCode, Failure>
             )
             .help("leave out --scheme"));
         }
-        for (data, path) in meshes.iter_mut().zip(&args.inputs) {
-            let source = Source { path, format: args.from };
+        for (data, sheet) in meshes.iter_mut().zip(&sheets) {
+            let source = Source { path: sheet.path, format: args.from };
             *data = surface_of(args, scheme, std::mem::take(data), &source, console)?;
         }
     }
-    let values = values(args, &meshes, console)?;
+    let values = values(args, &meshes, &sheets, console)?;
     let panels: Vec<Panel> = meshes
         .iter()
         .enumerate()
-        .map(|(i, data)| panel(args, i, data, values[i].as_ref()))
+        .map(|(i, data)| panel(args, i, data, &sheets[i], values[i].as_ref()))
         .collect();
     let background = if args.transparent { Colour::TRANSPARENT } else { Colour::WHITE };
-    let options = Options { background, shared: !args.separate, ..Options::default() };
+    // A sphere stands on no ground, and nothing is in its light.
+    let solid = args.model.sphere.is_none();
+    let shared = !args.separate;
+    let options =
+        Options { background, shared, ground: solid, shadows: solid, ..Options::default() };
     let view = View { zoom: args.zoom, ..args.view };
     let progress = console.progress();
     progress.say("drawing");
@@ -94,6 +112,7 @@ struct Numbers {
 fn values(
     args: &Render,
     meshes: &[MeshData],
+    sheets: &[Sheet],
     console: &Console,
 ) -> Result<Vec<Option<Numbers>>, Failure> {
     let reference = match (&args.reference, args.colour) {
@@ -107,9 +126,9 @@ fn values(
         }
         _ => None,
     };
-    let one = |(data, path): (&MeshData, &PathBuf)| {
+    let one = |(data, sheet): (&MeshData, &Sheet)| {
         let Some(choice) = args.colour else { return Ok(None) };
-        let source = Source { path, format: args.from };
+        let source = Source { path: sheet.path, format: args.from };
         let (of, per_face, map, legend) = match choice {
             ColourChoice::Zebra | ColourChoice::Reflection => return Ok(None),
             ColourChoice::Curvature | ColourChoice::Mean | ColourChoice::Gaussian => {
@@ -143,13 +162,14 @@ fn values(
         };
         Ok(Some(Numbers { of, per_face, map, legend }))
     };
-    meshes.iter().zip(&args.inputs).map(one).collect()
+    meshes.iter().zip(sheets).map(one).collect()
 }
 
 fn panel<'a>(
     args: &Render,
     i: usize,
     data: &'a MeshData,
+    sheet: &'a Sheet,
     numbers: Option<&'a Numbers>,
 ) -> Panel<'a> {
     let mut body = Body::new(&data.positions, &data.faces);
@@ -170,12 +190,18 @@ fn panel<'a>(
         Some(ColourChoice::Reflection) => body.style.surface = SurfaceLook::REFLECTION,
         _ => {}
     }
-    let title = match args.title.get(i) {
-        Some(title) => Some(title.clone()),
-        None if args.inputs.len() > 1 => {
-            args.inputs[i].file_name().map(|name| name.to_string_lossy().into_owned())
-        }
-        None => None,
+    body.strokes = &sheet.strokes;
+    if !sheet.shown {
+        body.style.fill = None;
+    }
+    let name = || sheet.path.file_name().map(|name| name.to_string_lossy().into_owned());
+    let file = if args.inputs.len() > 1 { name() } else { None };
+    let depth = sheet.depth.map(|depth| format!("depth {depth}"));
+    let title = match (args.title.get(i), file, depth) {
+        (Some(title), _, _) => Some(title.clone()),
+        (None, Some(file), Some(depth)) => Some(format!("{file}\n{depth}")),
+        (None, file, depth) => file.or(depth),
     };
-    Panel { bodies: vec![body], title }
+    let parts = sheet.parts.iter().map(Part::body);
+    Panel { bodies: std::iter::once(body).chain(parts).collect(), title }
 }
