@@ -102,7 +102,7 @@ struct Ring {
 
 /// Corners of a circle.
 const SIDES: usize = 14;
-const SHAFT: f64 = 0.026;
+const SHAFT: f64 = 0.023;
 
 /// Points of a solid, at most.
 pub(crate) const MOST_POINTS: usize = 2 * SIDES * 10;
@@ -121,13 +121,13 @@ fn cone(base: f64, radius: f64, tip: f64) -> [[Ring; 2]; 2] {
 }
 
 fn bands(head: Head) -> Vec<[Ring; 2]> {
-    const BALL: f64 = 0.068;
+    const BALL: f64 = 0.064;
     const STEPS: usize = 6;
     let mut bands = vec![band([0.0, 0.0], [0.0, SHAFT]), band([0.0, SHAFT], [0.7, SHAFT])];
-    bands.extend(cone(0.68, 0.092, 1.0));
+    bands.extend(cone(0.68, 0.084, 1.0));
     match head {
         Head::Cone => {}
-        Head::Double => bands.extend(cone(0.40, 0.092, 0.70)),
+        Head::Double => bands.extend(cone(0.40, 0.084, 0.70)),
         Head::Disc => {
             let [back, front, radius] = [0.50, 0.55, 0.105];
             bands.push(band([back, 0.0], [back, radius]));

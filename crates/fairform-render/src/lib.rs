@@ -12,7 +12,9 @@
 //! # Ok::<(), fairform_render::RenderError>(())
 //! ```
 //!
-//! A surface is coloured by numbers with [`Values`], and shown as a mirror with [`Surface`].
+//! A surface is coloured by numbers with [`Values`], and shown as a mirror with [`Surface`]. Streamline
+//! models are seen with [`ModelView`], their directions on the Gaussian sphere with [`SphereView`]; both
+//! make [`Part`]s, bodies that own what they are made of.
 //!
 //! [`render`] is one straight line: the bodies of a panel become triangles, strokes and dots in
 //! camera space (`scene`), lamps all around see how far their light gets (`light`), tiles of the

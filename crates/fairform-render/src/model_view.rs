@@ -142,7 +142,7 @@ impl ModelView {
         let mut mesh = self.mesh(surface);
         let mut parts = Vec::new();
         if self.shows(Show::Initial) {
-            parts.extend(self.initial(surface, &mut mesh));
+            parts.extend(initial(surface, &mut mesh));
         }
         parts.insert(0, mesh);
         if self.shows(Show::Start) {
@@ -192,26 +192,6 @@ impl ModelView {
         }
     }
 
-    /// The initial curve: on the mesh if it lies at its border, else a part of its own.
-    #[expect(clippy::unused_self, reason = "one of the parts")]
-    fn initial(&self, surface: &streamline::Surface, mesh: &mut Part) -> Option<Part> {
-        let points = surface.points();
-        let columns = points.column_count();
-        let column = match surface.model().start {
-            Start::Min => Some(0),
-            Start::Max => Some(columns - 1),
-            _ => None,
-        };
-        if let Some(column) = column {
-            let at = |row: usize| (row * columns + column) as u32;
-            mesh.strokes.extend((1..points.row_count()).map(|k| ([at(k - 1), at(k)], INITIAL)));
-            return None;
-        }
-        let mut part = Part::default();
-        part.polyline(surface.model().initial.points(surface.t()).ok()?, INITIAL);
-        Some(part)
-    }
-
     fn combs(&self, surface: &streamline::Surface, places: &Places) -> Part {
         let Curvature { vector, s, .. } = curvature(surface);
         let rows = control_rows(surface);
@@ -221,7 +201,9 @@ impl ModelView {
         // Not the very largest: one kink shall not flatten all the others.
         let scale = |largest: f64| self.comb * places.diagonal / largest;
         let size = sizes.get(sizes.len().saturating_sub(1 + sizes.len() / 50)).copied();
-        let mut part = Part::default();
+        // Where the curve turns the other way the comb is on the other side of the surface.
+        let style = Style { through: 0.3, ..Style::default() };
+        let mut part = Part { style, ..Part::default() };
         let Some(largest) = size.filter(|size| *size > 0.0 && size.is_finite()) else {
             return part;
         };
@@ -241,6 +223,25 @@ impl ModelView {
         }
         part
     }
+}
+
+/// The initial curve: on the mesh if it lies at its border, else a part of its own.
+fn initial(surface: &streamline::Surface, mesh: &mut Part) -> Option<Part> {
+    let points = surface.points();
+    let columns = points.column_count();
+    let column = match surface.model().start {
+        Start::Min => Some(0),
+        Start::Max => Some(columns - 1),
+        _ => None,
+    };
+    if let Some(column) = column {
+        let at = |row: usize| (row * columns + column) as u32;
+        mesh.strokes.extend((1..points.row_count()).map(|k| ([at(k - 1), at(k)], INITIAL)));
+        return None;
+    }
+    let mut part = Part::default();
+    part.polyline(surface.model().initial.points(surface.t()).ok()?, INITIAL);
+    Some(part)
 }
 
 /// Numbers of at most `most` lines of `count`, evenly, the last always among them.

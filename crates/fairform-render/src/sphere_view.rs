@@ -100,7 +100,7 @@ const GLOBE: Style = Style {
 };
 const GRATICULE: Line = Line { colour: Colour::hex(0x5b_6f_88).with_opacity(0.45), width: 1.0 };
 const EQUATOR: Line = Line { colour: Colour::hex(0x5b_6f_88).with_opacity(0.7), width: 1.4 };
-const ARC: Line = Line { colour: Colour::hex(0x2a_33_40).with_opacity(0.75), width: 1.8 };
+const ARC: Line = Line { colour: Colour::hex(0x2a_33_40).with_opacity(0.85), width: 2.1 };
 const CURVE: f64 = 4.0;
 const FIRST: Dot = Dot { colour: Colour::hex(0xd9_22_22), radius: 11.0 };
 const OTHERS: Dot = Dot { colour: Colour::hex(0xf5_bd_17), radius: 10.0 };
@@ -158,7 +158,7 @@ impl SphereView {
         parts
     }
 
-    fn globe(&self) -> Part {
+    fn globe(self) -> Part {
         let pole = self.up.direction();
         let side = self.up.next().direction();
         let other = pole.cross(side);

@@ -104,7 +104,7 @@ fn normals_of_a_sphere_are_radial_in_the_limit() {
         let turn = |k: usize| 1.5 * k as f64 / (rows - 1) as f64;
         let row = |k: usize| {
             (0..9).map(move |i| {
-                let a = 0.15 * i as f64;
+                let a = 0.15 * f64::from(i);
                 let (c, s) = (libm::cos(a), libm::sin(a));
                 Vec3::new(c * libm::cos(turn(k)), c * libm::sin(turn(k)), -s)
             })

@@ -38,7 +38,11 @@ impl Surface {
             };
             (0..columns).map(|i| tangent(row, i).cross(across(i)).normalized()).collect()
         };
-        Grid::from_rows((0..rows).map(of_row)).expect("rows of one length")
+        let mut normals = Grid::filled(rows, columns, Vec3::ZERO);
+        for row in 0..rows {
+            normals.row_mut(row).copy_from_slice(&of_row(row));
+        }
+        normals
     }
 }
 
