@@ -71,6 +71,7 @@ pub(crate) enum Command {
     fairform fit bunny.obj -o surface.ply --limit\n  \
     fairform fit scan.ply -o surface.glb --tolerance 1e-9 --plot error.svg\n  \
     fairform fit cage.obj -o control.obj --levels 0 --report report.json\n  \
+    fairform fit part.obj -o surface.obj --scheme catmull-clark --crease-angle 35 --limit\n  \
     cat bunny.off | fairform fit - --from off -o - --to ply > surface.ply")]
 pub(crate) struct Fit {
     #[command(flatten)]
@@ -80,6 +81,8 @@ pub(crate) struct Fit {
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) writing: Writing,
+    #[command(flatten)]
+    pub(crate) scheme: SchemeOption,
     #[command(flatten)]
     pub(crate) rules: RuleOptions,
     /// Solver; all have the same answer. `auto` is the fastest that is safe on any mesh, `plain` the
@@ -137,6 +140,8 @@ pub(crate) struct Refine {
     #[command(flatten)]
     pub(crate) writing: Writing,
     #[command(flatten)]
+    pub(crate) scheme: SchemeOption,
+    #[command(flatten)]
     pub(crate) rules: RuleOptions,
     /// Refinement steps.
     #[arg(long, default_value_t = 1, value_name = "N")]
@@ -163,18 +168,25 @@ pub(crate) struct Limit {
     #[command(flatten)]
     pub(crate) writing: Writing,
     #[command(flatten)]
+    pub(crate) scheme: SchemeOption,
+    #[command(flatten)]
     pub(crate) rules: RuleOptions,
 }
 
 /// Say what is in a mesh file, and what is wrong with it.
 #[derive(clap::Args, Debug)]
-#[command(after_help = "Examples:\n  fairform info bunny.obj\n  fairform info scan.ply.gz --json")]
+#[command(
+    after_help = "Examples:\n  fairform info bunny.obj\n  fairform info scan.ply.gz --json\n  \
+    fairform info cage.obj --scheme catmull-clark --crease-angle 35"
+)]
 pub(crate) struct Info {
     #[command(flatten)]
     pub(crate) input: Input,
-    /// Also say whether a scheme suits the mesh.
+    /// Also say whether a scheme, with the options below, suits the mesh, and what it makes of it.
     #[arg(long, value_name = "SCHEME")]
     pub(crate) scheme: Option<Scheme>,
+    #[command(flatten)]
+    pub(crate) rules: RuleOptions,
 }
 
 /// Write a mesh in another format.
@@ -246,6 +258,7 @@ pub(crate) struct Repair {
 }
 
 /// Draw meshes and streamline models side by side, without a window.
+#[expect(clippy::struct_excessive_bools, reason = "one switch per option")]
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  \
     fairform render surface.ply -o surface.png\n  \
@@ -253,6 +266,8 @@ pub(crate) struct Repair {
     fairform render part.stl -o part.png --view 120,15,z --flat\n  \
     fairform render cage.obj surface.ply -o pair.png --flat=1 --wireframe=1\n  \
     fairform render surface.ply -o curvature.png --colour curvature\n  \
+    fairform render cage.obj -o limit.png --scheme catmull-clark\n  \
+    fairform render bunny.obj -o fitted.png --fit --draw-boundary\n  \
     fairform render car.streamline.json -o depths.png --view iso,z --depth 0,1,2,3\n  \
     fairform render car.streamline.json -o sphere.png --view iso,z --sphere")]
 pub(crate) struct Render {
@@ -283,7 +298,7 @@ pub(crate) struct Render {
     pub(crate) points: Option<Panels>,
     /// Draw the boundary in red; in some panels only with =1,3.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "all", value_name = "PANELS", value_parser = panels)]
-    pub(crate) boundary: Option<Panels>,
+    pub(crate) draw_boundary: Option<Panels>,
     /// One shade per face; in some panels only with =1,3.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "all", value_name = "PANELS", value_parser = panels)]
     pub(crate) flat: Option<Panels>,
@@ -298,14 +313,24 @@ pub(crate) struct Render {
     /// Draw the limit surface that this scheme makes of each mesh.
     #[arg(long, value_name = "SCHEME")]
     pub(crate) scheme: Option<Scheme>,
-    /// Refinement steps for --scheme.
-    #[arg(long, default_value_t = 3, value_name = "N", requires = "scheme")]
-    pub(crate) levels: u32,
+    /// Draw the surface through every vertex of each mesh, as `fairform fit` finds it [scheme: loop,
+    /// unless --scheme says another].
+    #[arg(long)]
+    pub(crate) fit: bool,
+    /// With --fit: interpolate up to rounding.
+    #[arg(long, requires = "fit")]
+    pub(crate) exact: bool,
+    /// With --fit: make the surface fairer, from 0 to 1.
+    #[arg(long, value_name = "WEIGHT", value_parser = not_negative, requires = "fit")]
+    pub(crate) fair: Option<f64>,
+    /// Refinement steps for --scheme and --fit [default: 3].
+    #[arg(long, value_name = "N")]
+    pub(crate) levels: Option<u32>,
+    #[command(flatten)]
+    pub(crate) rules: RuleOptions,
     /// The mesh that --colour error measures against.
     #[arg(long, value_name = "MESH")]
     pub(crate) reference: Option<PathBuf>,
-    #[command(flatten)]
-    pub(crate) tension: TensionOptions,
     /// A line of text below each panel, in order; repeat it for each.
     #[arg(long, value_name = "TEXT")]
     pub(crate) title: Vec<String>,
@@ -363,6 +388,13 @@ pub(crate) enum Panels {
     All,
     /// Counted from 1.
     Some(Vec<usize>),
+}
+
+impl TensionOptions {
+    /// Whether any option speaks of shape parameters.
+    pub(crate) fn is_given(&self) -> bool {
+        self.lambda.is_some() || !self.tension_where.is_empty()
+    }
 }
 
 impl Panels {
@@ -452,37 +484,61 @@ pub(crate) struct TensionOptions {
     pub(crate) falloff: Option<f64>,
 }
 
-/// The subdivision rules.
+/// The subdivision scheme.
 #[derive(clap::Args, Debug)]
-pub(crate) struct RuleOptions {
+pub(crate) struct SchemeOption {
     /// Subdivision scheme: loop for triangles, catmull-clark or doo-sabin for any polygons; butterfly
     /// (triangles) and kobbelt (quadrilaterals) pass through the vertices by themselves.
     #[arg(long, default_value_t = Scheme::Loop, value_name = "SCHEME")]
     pub(crate) scheme: Scheme,
-    /// Boundary vertices with one face: rounded like others, or kept [default: smooth; for kobbelt
-    /// sharp].
+}
+
+/// The choices that schemes have; every command that knows schemes takes them all.
+#[derive(clap::Args, Debug)]
+pub(crate) struct RuleOptions {
+    /// Boundary vertices with one face: rounded like others, or kept [default: smooth, unless the
+    /// file says otherwise; for kobbelt sharp].
     #[arg(long, value_enum)]
     pub(crate) corners: Option<CornerChoice>,
-    /// Kobbelt's tension.
-    #[arg(long, default_value_t = 1.0, value_name = "X")]
-    pub(crate) w: f64,
-    /// Doo–Sabin at the boundary: a B-spline of its own, or dropped.
-    #[arg(long, value_enum, default_value_t = BorderChoice::Bspline)]
-    pub(crate) boundary: BorderChoice,
+    /// Kobbelt's tension [default: 1].
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    pub(crate) w: Option<f64>,
+    /// The boundary of the surface: a B-spline of the boundary of the mesh; or none, faces at the boundary
+    /// being support without a surface (as OpenSubdiv has it); or, for doo-sabin, dropped [default:
+    /// bspline, unless the file says otherwise].
+    #[arg(long, value_enum)]
+    pub(crate) boundary: Option<BorderChoice>,
     #[command(flatten)]
     pub(crate) tension: TensionOptions,
-    /// Sharp edges and vertices: JSON as in USD, or the `t` lines of an OBJ file.
-    #[arg(long, value_name = "FILE")]
+    /// Sharp edges and vertices, holes: JSON as in USD, or the `t` lines of an OBJ file; or none. Default:
+    /// the `t` lines of the mesh, if it has any.
+    #[arg(long, value_name = "FILE|none")]
     pub(crate) creases: Option<PathBuf>,
     /// Make edges sharp whose faces meet at more than this angle.
     #[arg(long, value_name = "DEGREES", value_parser = not_negative)]
     pub(crate) crease_angle: Option<f64>,
 }
 
+impl RuleOptions {
+    /// The name of a choice that was made besides shape parameters, if any.
+    pub(crate) fn made(&self) -> Option<&'static str> {
+        [
+            (self.corners.is_some(), "--corners"),
+            (self.w.is_some(), "--w"),
+            (self.boundary.is_some(), "--boundary"),
+            (self.creases.is_some(), "--creases"),
+            (self.crease_angle.is_some(), "--crease-angle"),
+        ]
+        .into_iter()
+        .find_map(|(made, name)| made.then_some(name))
+    }
+}
+
 #[derive(ValueEnum, Clone, Copy, Debug)]
 pub(crate) enum BorderChoice {
     Bspline,
     Drop,
+    None,
 }
 
 #[derive(ValueEnum, Clone, Copy, Debug)]

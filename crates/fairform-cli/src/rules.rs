@@ -5,33 +5,50 @@ use std::sync::Arc;
 
 use fairform::select::{Context, Labels, Selection, blend, falloff};
 use fairform::{Border, Corners, Creases, Rules, Scheme};
+use fairform_io::{CreaseList, InterpolateBoundary};
 use serde_json::Value;
 
 use crate::args::{BorderChoice, CornerChoice, RuleOptions, TensionOptions};
-use crate::console::Console;
+use crate::console::{Console, count};
 use crate::failure::Failure;
 use crate::surface::Surface;
 
-/// The rules for a surface, with warnings of what they may do to it.
-pub(crate) fn build(
+/// Gives a surface its rules, and says what they may do to it.
+pub(crate) fn set(
+    scheme: Scheme,
     options: &RuleOptions,
-    surface: &Surface,
+    surface: &mut Surface,
     console: &Console,
-) -> Result<Rules, Failure> {
-    let mut rules = Rules {
-        scheme: options.scheme,
-        corners: match options.corners {
-            Some(CornerChoice::Sharp) => Corners::Sharp,
-            None if options.scheme == Scheme::Kobbelt => Corners::Sharp,
-            Some(CornerChoice::Smooth) | None => Corners::Smooth,
-        },
-        kobbelt_weight: options.w,
-        border: match options.boundary {
-            BorderChoice::Bspline => Border::Bspline,
-            BorderChoice::Drop => Border::Drop,
-        },
-        ..Rules::LOOP
+) -> Result<(), Failure> {
+    choose(scheme, options, surface)?.iter().for_each(|note| console.note(note));
+    Ok(())
+}
+
+/// Gives a surface its rules. Returns what is to be said about them.
+pub(crate) fn choose(
+    scheme: Scheme,
+    options: &RuleOptions,
+    surface: &mut Surface,
+) -> Result<Vec<String>, Failure> {
+    let mut notes = Vec::new();
+    let mut rules = Rules::from(scheme);
+    let list = list_of(scheme, options, surface, &mut notes)?;
+    let said = list.as_ref().and_then(|list| list.boundary);
+    rules.corners = match (options.corners, said) {
+        (Some(CornerChoice::Sharp), _) | (None, Some(InterpolateBoundary::EdgeAndCorner)) => {
+            Corners::Sharp
+        }
+        (Some(CornerChoice::Smooth), _) | (None, Some(_)) => Corners::Smooth,
+        (None, None) => rules.corners,
     };
+    rules.border = match (options.boundary, said) {
+        (Some(BorderChoice::Drop), _) => Border::Drop,
+        (Some(BorderChoice::None), _) | (None, Some(InterpolateBoundary::None)) => Border::None,
+        (Some(BorderChoice::Bspline) | None, _) => Border::Bspline,
+    };
+    if let Some(w) = options.w {
+        rules.kobbelt_weight = w;
+    }
     rules.tension = tension(&options.tension, surface)?.map(Into::into);
     if rules.tension.is_some() && rules.scheme != Scheme::DooSabin {
         return Err(Failure::new(format!(
@@ -39,11 +56,26 @@ pub(crate) fn build(
             rules.scheme
         )));
     }
-    creases_of(options, surface, &mut rules)?;
-    for warning in rules.warnings(surface.mesh.topology()) {
-        console.note(format!("warning: {warning}"));
+    rules.creases = creases_of(options, list.as_ref(), surface)?;
+    let topology = surface.mesh.topology();
+    notes.extend(rules.warnings(topology).iter().map(|warning| format!("warning: {warning}")));
+    let mut has_surface = rules.has_surface(topology);
+    for &face in list.iter().flat_map(|list| &list.holes) {
+        has_surface[face as usize] = false;
     }
-    Ok(rules)
+    let support = has_surface.iter().filter(|has| !**has).count();
+    if support > 0 {
+        let (faces, all) = (count(support), count(has_surface.len()));
+        notes.push(match support == has_surface.len() {
+            true => "warning: no surface: every face is support, at the boundary or a hole".into(),
+            false => {
+                format!("note: {faces} of {all} faces are support: the surface ends before them")
+            }
+        });
+        surface.shown = Some(has_surface.into());
+    }
+    surface.rules = rules;
+    Ok(notes)
 }
 
 /// One parameter per face, if any option speaks of them.
@@ -51,7 +83,7 @@ pub(crate) fn tension(
     options: &TensionOptions,
     surface: &Surface,
 ) -> Result<Option<Vec<f64>>, Failure> {
-    if options.lambda.is_none() && options.tension_where.is_empty() {
+    if !options.is_given() {
         return Ok(None);
     }
     let count = surface.mesh.topology().face_count();
@@ -122,32 +154,74 @@ fn from_file(path: &Path, count: usize) -> Result<Vec<f64>, Failure> {
     }
 }
 
-fn creases_of(options: &RuleOptions, surface: &Surface, rules: &mut Rules) -> Result<(), Failure> {
-    if options.creases.is_none() && options.crease_angle.is_none() {
-        return Ok(());
-    }
-    let (topology, positions) = (surface.mesh.topology(), surface.mesh.positions());
-    let mut creases = Creases::smooth(topology);
-    if let Some(degrees) = options.crease_angle {
-        let sharp = fairform::crease::INFINITE;
-        creases = Creases::by_angle(topology, positions, degrees, sharp)
-            .map_err(|e| Failure::new(format!("--crease-angle: {e}")))?;
-    }
+/// The creases that the options or the mesh name, for schemes that know creases.
+fn list_of(
+    scheme: Scheme,
+    options: &RuleOptions,
+    surface: &Surface,
+    notes: &mut Vec<String>,
+) -> Result<Option<CreaseList>, Failure> {
     if let Some(path) = &options.creases {
+        if path.as_os_str() == "none" {
+            return Ok(None);
+        }
         let at = |what: String| Failure::new(format!("{}: {what}", path.display()));
         let bytes = std::fs::read(path).map_err(|e| at(format!("cannot read it: {e}")))?;
         let list = fairform_io::parse_creases(&bytes).map_err(|e| at(e.to_string()))?;
-        if list.is_empty() && list.keep_corners.is_none() {
+        if list.is_empty() && list.boundary.is_none() {
             return Err(at("no creases in it".into())
                 .help("write `t crease 2/1/0 VERTEX VERTEX SHARPNESS` lines, or JSON as in USD"));
         }
-        list.apply(topology, &mut creases).map_err(at)?;
-        if list.keep_corners == Some(true) {
-            rules.corners = Corners::Sharp;
+        return Ok(Some(list));
+    }
+    let Some(list) = &surface.creases else { return Ok(None) };
+    let counted = |n: usize, one: &str, many: &str| match n {
+        0 => None,
+        1 => Some(format!("1 {one}")),
+        n => Some(format!("{} {many}", count(n))),
+    };
+    let kept = list.boundary == Some(InterpolateBoundary::EdgeAndCorner);
+    let parts = [
+        counted(list.edges.len(), "sharp edge", "sharp edges"),
+        counted(list.vertices.len(), "sharp vertex", "sharp vertices"),
+        counted(list.holes.len(), "hole", "holes"),
+        (list.boundary == Some(InterpolateBoundary::None))
+            .then(|| "no surface at the boundary".into()),
+        kept.then(|| "sharp corners of the boundary".into()),
+    ];
+    let parts = parts.into_iter().flatten().collect::<Vec<_>>().join(", ");
+    let knows_creases = matches!(scheme, Scheme::Loop | Scheme::CatmullClark);
+    if !parts.is_empty() {
+        notes.push(match knows_creases {
+            true => format!("note: from the file: {parts}; --creases none leaves them out"),
+            false => format!("note: left out, since {scheme} knows no creases: {parts}"),
+        });
+    }
+    Ok(knows_creases.then(|| list.clone()))
+}
+
+/// Sharpness by angle and from a list.
+fn creases_of(
+    options: &RuleOptions,
+    list: Option<&CreaseList>,
+    surface: &Surface,
+) -> Result<Option<Arc<Creases>>, Failure> {
+    let (topology, positions) = (surface.mesh.topology(), surface.mesh.positions());
+    let mut creases = match options.crease_angle {
+        None => Creases::smooth(topology),
+        Some(degrees) => {
+            let sharp = fairform::crease::INFINITE;
+            Creases::by_angle(topology, positions, degrees, sharp)
+                .map_err(|e| Failure::new(format!("--crease-angle: {e}")))?
         }
+    };
+    if let Some(list) = list {
+        let at = |what: String| match &options.creases {
+            Some(path) => Failure::new(format!("{}: {what}", path.display())),
+            None => Failure::new(format!("the creases of the file: {what}"))
+                .help("--creases none leaves them out"),
+        };
+        list.apply(topology, &mut creases).map_err(at)?;
     }
-    if !creases.is_smooth() {
-        rules.creases = Some(Arc::new(creases));
-    }
-    Ok(())
+    Ok((!creases.is_smooth()).then(|| Arc::new(creases)))
 }

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use fairform::interpolate::{Fit, Interpolator, Norm, Options};
 use fairform::pushback::PushBack;
 use fairform::refine::{self, Refined};
-use fairform::{Mesh, Rules, Vec3, limit};
-use fairform_io::{Labels, MeshData};
+use fairform::{Border, Corners, HalfedgeId, Mesh, Rules, Scheme, Vec3, limit};
+use fairform_io::{CreaseList, InterpolateBoundary, Labels, MeshData};
 
 use crate::console::{Console, Progress, count};
 use crate::failure::{Failure, in_mesh};
@@ -26,10 +26,18 @@ pub(crate) struct Surface {
     /// Texture coordinates in the first two places.
     uvs: Option<Vec<Vec3>>,
     pub(crate) normals: Option<Vec<Vec3>>,
+    /// Normals on each side of creases.
+    corner_normals: Option<Vec<Vec3>>,
     corner_uvs: Option<Vec<Vec3>>,
     pub(crate) groups: Option<Labels>,
     pub(crate) materials: Option<Labels>,
     material_library: Option<String>,
+    /// What the file says of creases, by the numbers of the mesh as it was read.
+    pub(crate) creases: Option<CreaseList>,
+    /// Whether each face of the mesh as it was read has a surface, if not all have.
+    pub(crate) shown: Option<Arc<[bool]>>,
+    /// The face of the mesh as it was read that each face is a part of.
+    origin: Vec<u32>,
 }
 
 impl Surface {
@@ -56,10 +64,15 @@ impl Surface {
             opacity: opacity.filter(finite),
             uvs: data.uvs.map(uv).filter(finite),
             normals: data.normals.filter(finite),
+            // They describe the surface that was given.
+            corner_normals: None,
             corner_uvs: data.corner_uvs.map(uv),
             groups: data.groups,
             materials: data.materials,
             material_library: data.material_library,
+            creases: data.creases,
+            shown: None,
+            origin: (0..data.faces.len() as u32).collect(),
         })
     }
 
@@ -128,6 +141,7 @@ impl Surface {
         finer.mesh = fit.control;
         finer.rules = fit.rules;
         finer.normals = None;
+        finer.corner_normals = None;
         Ok(finer)
     }
 
@@ -164,6 +178,9 @@ impl Surface {
                 None => self.corner_uvs = None,
             }
         }
+        self.corner_normals = None;
+        let origin = |f| self.origin[step.parent(f).index()];
+        self.origin = step.topology.faces().map(origin).collect();
         for labels in [&mut self.groups, &mut self.materials].into_iter().flatten() {
             let parent = |f| labels.of_face[step.parent(f).index()];
             labels.of_face = step.topology.faces().map(parent).collect();
@@ -189,12 +206,75 @@ impl Surface {
     /// The normals of the limit surface, at the vertices as they are.
     pub(crate) fn limit_normals(&mut self) -> Result<(), fairform::Error> {
         let (topology, points) = (self.mesh.topology(), self.mesh.positions());
-        self.normals = Some(limit::limit_normals(topology, points, &self.rules)?);
+        let normals = limit::limit_normals(topology, points, &self.rules)?;
+        if self.rules.creases.is_some() {
+            let corners = limit::limit_corner_normals(topology, points, &self.rules)?;
+            let is_parted =
+                |h: HalfedgeId| corners[h.index()] != normals[topology.origin(h).index()];
+            self.corner_normals = topology.halfedges().any(is_parted).then_some(corners);
+        }
+        self.normals = Some(normals);
         Ok(())
     }
 
+    /// Numbers of the faces of the mesh as it was read, for the faces that [`into_surface`] writes.
+    pub(crate) fn inherited(&self, values: &[f64]) -> Vec<f64> {
+        let shown = self.origin.iter().filter(|f| self.is_shown(**f));
+        shown.map(|&f| values[f as usize]).collect()
+    }
+
+    /// Whether there is a surface for a face of the mesh as it was read.
+    fn is_shown(&self, origin: u32) -> bool {
+        self.shown.as_ref().is_none_or(|has| has[origin as usize])
+    }
+
+    /// The mesh as a control mesh: with the support and the creases that make its surface.
+    pub(crate) fn into_control(self) -> MeshData {
+        let topology = self.mesh.topology();
+        let rules = &self.rules;
+        let said = match (rules.border, rules.corners) {
+            (Border::None, _) => Some(InterpolateBoundary::None),
+            (_, Corners::Sharp) => Some(InterpolateBoundary::EdgeAndCorner),
+            _ => self.creases.as_ref().and(Some(InterpolateBoundary::EdgeOnly)),
+        };
+        let knows_creases = matches!(rules.scheme, Scheme::Loop | Scheme::CatmullClark);
+        let creases = knows_creases.then(|| {
+            let mut list = CreaseList::of(topology, rules.creases.as_deref(), said);
+            // A face at a boundary without surface is no hole.
+            let can_show = rules.has_surface(topology);
+            let holes = topology
+                .faces()
+                .filter(|f| can_show[f.index()] && !self.is_shown(self.origin[f.index()]));
+            list.holes = holes.map(|f| f.0).collect();
+            list
+        });
+        let creases = creases.filter(|list| !list.is_empty() || list.boundary.is_some());
+        MeshData { creases, ..self.into_data() }
+    }
+
+    /// The surface: without faces that only support it. Vertices keep their numbers.
+    pub(crate) fn into_surface(self) -> MeshData {
+        let Some(has_surface) = self.shown.clone() else { return self.into_data() };
+        let shown: Vec<bool> = self.origin.iter().map(|&f| has_surface[f as usize]).collect();
+        let data = self.into_data();
+        let of_corner: Vec<bool> =
+            data.faces.iter().zip(&shown).flat_map(|(f, &s)| f.iter().map(move |_| s)).collect();
+        let labels = |labels: Option<Labels>| {
+            let Labels { names, of_face } = labels?;
+            Some(Labels { names, of_face: keep(Some(of_face), &shown)? })
+        };
+        MeshData {
+            faces: data.faces.iter().zip(&shown).filter(|f| *f.1).map(|f| f.0).collect(),
+            corner_normals: keep(data.corner_normals, &of_corner),
+            corner_uvs: keep(data.corner_uvs, &of_corner),
+            groups: labels(data.groups),
+            materials: labels(data.materials),
+            ..data
+        }
+    }
+
     /// What a file can hold.
-    pub(crate) fn into_data(self) -> MeshData {
+    fn into_data(self) -> MeshData {
         let uv = |uvs: Vec<Vec3>| uvs.into_iter().map(|v| [v.x, v.y]).collect();
         let opacity = self.opacity;
         let colours = self.colours.map(|colours| {
@@ -209,12 +289,14 @@ impl Surface {
             faces: self.mesh.topology().to_faces(),
             positions: self.mesh.into_positions(),
             normals: self.normals,
+            corner_normals: self.corner_normals,
             colours,
             uvs: self.uvs.map(uv),
             corner_uvs: self.corner_uvs.map(uv),
             groups: self.groups,
             materials: self.materials,
             material_library: self.material_library,
+            creases: None,
             notes: Vec::new(),
         }
     }
@@ -252,4 +334,10 @@ fn available_memory() -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(1024 * kilobytes)
+}
+
+/// Those values that are shown.
+fn keep<T>(values: Option<Vec<T>>, shown: &[bool]) -> Option<Vec<T>> {
+    let kept = values?.into_iter().zip(shown).filter(|v| *v.1);
+    Some(kept.map(|v| v.0).collect())
 }

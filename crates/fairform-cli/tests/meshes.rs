@@ -47,8 +47,8 @@ fn is_ready(mesh: &Mesh) -> bool {
 /// The limit points of the control mesh are the vertices of the file.
 fn is_fitted(folder: &Folder, file: &Path, mesh: &Mesh) {
     let shown = file.display();
-    folder.ok(&format!("fit {shown} -o control.ply --levels 0 --report report.json"));
-    folder.ok("limit control.ply -o limit.json");
+    folder.ok(&format!("fit {shown} -o control.obj --levels 0 --report report.json"));
+    folder.ok("limit control.obj -o limit.json");
     let report = folder.json("report.json");
     assert_eq!(report["converged"], true, "{shown}");
     let limit = points(&folder.json("limit.json")["points"]);

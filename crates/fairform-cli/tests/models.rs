@@ -62,6 +62,7 @@ fn options_that_do_not_fit_are_named() {
         ("in.off --sphere", "--sphere"),
         ("in.off body.streamline.json --depth 2", "--depth"),
         ("body.streamline.json --scheme kobbelt", "--scheme"),
+        ("body.streamline.json --fit", "--fit"),
         ("body.streamline.json --sphere --colour zebra", "--colour"),
         ("body.streamline.json --sphere=9", "row 9"),
         ("body.streamline.json --show nothing", "nothing"),

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use fairform::{Faces, Vec3};
 
+use crate::crease::CreaseList;
 use crate::error::{Error, ParseError, Place};
 
 /// What a mesh file holds. Every corner is a vertex of the mesh; nothing else is promised about
@@ -16,6 +17,9 @@ pub struct MeshData {
     pub faces: Faces,
     /// A normal per vertex, as the file has it: not always of length one.
     pub normals: Option<Vec<Vec3>>,
+    /// A normal per face corner, in the order of [`Faces::corners`], where some vertex has several: a
+    /// crease. They stand beside [`normals`](Self::normals) or alone.
+    pub corner_normals: Option<Vec<Vec3>>,
     /// A colour per vertex: red, green, blue, alpha from 0 to 1. A byte `b` of a file is `b / 255`.
     pub colours: Option<Vec<[f64; 4]>>,
     /// Texture coordinates per vertex.
@@ -29,6 +33,8 @@ pub struct MeshData {
     pub materials: Option<Labels>,
     /// The material libraries that an OBJ file names, one `mtllib` statement per line.
     pub material_library: Option<String>,
+    /// Creases, holes and the like, for a subdivision surface. Nothing is promised about their numbers.
+    pub creases: Option<CreaseList>,
     /// What the reader did to the data or left out, for the user.
     pub notes: Vec<String>,
 }
@@ -58,6 +64,7 @@ impl MeshData {
         let corners = self.faces.corners().len();
         let lengths = [
             ("normals", self.normals.as_ref().map(Vec::len), vertices),
+            ("corner normals", self.corner_normals.as_ref().map(Vec::len), corners),
             ("colours", self.colours.as_ref().map(Vec::len), vertices),
             ("uvs", self.uvs.as_ref().map(Vec::len), vertices),
             ("corner uvs", self.corner_uvs.as_ref().map(Vec::len), corners),

@@ -122,6 +122,9 @@ pub fn encode(
     }
 }
 
+/// What formats with one normal per vertex lose. [`MeshData::normals`], the mean, is written.
+pub(crate) const NORMALS_PER_CORNER: &str = "several normals of a vertex";
+
 /// Notes on the attributes that a format has no place for.
 pub(crate) fn left_out(attributes: &[(bool, &str)], format: &str) -> Vec<String> {
     let lost: Vec<_> = attributes.iter().filter(|(has, _)| *has).map(|(_, name)| *name).collect();

@@ -40,7 +40,7 @@ mod text;
 mod triangulate;
 mod weld;
 
-pub use crease::{CreaseList, parse_creases};
+pub use crease::{CreaseList, InterpolateBoundary, parse_creases};
 pub use data::{Labels, MeshData, WriteOptions};
 pub use error::{Error, ParseError, Place};
 #[cfg(feature = "files")]

@@ -1,7 +1,7 @@
 //! Wavefront OBJ.
 //!
 //! Read: `v` with weight or colour, `vt`, `vn`, `f` in all index forms, `o`, `g`, `usemtl`,
-//! `mtllib`. Points, lines, smoothing groups and free-form geometry are counted and left out.
+//! `mtllib`, and the `t` tags of OpenSubdiv's shapes, where vertices and faces count from 0. Points, lines, smoothing groups and free-form geometry are counted and left out.
 //! Comments may stand anywhere, a backslash continues a line, lines end with LF, CR or CRLF.
 //!
 //! Source: Wavefront Technologies, *Advanced Visualizer manual*, appendix B1, 1995; colours behind
@@ -12,6 +12,7 @@ use std::io::Write;
 
 use fairform::{NONE, Vec3};
 
+use crate::crease::CreaseList;
 use crate::data::{LabelBuilder, MeshData, WriteOptions, push_face, scale_large_colours};
 use crate::error::{Error, ParseError, Place};
 use crate::format::left_out;
@@ -145,6 +146,11 @@ struct Reader<'a> {
     understood: usize,
     unknown: usize,
     first_unknown: Option<(usize, &'a [u8])>,
+    creases: CreaseList,
+    /// Names of tags that mean nothing here, each once.
+    other_tags: Vec<String>,
+    /// The first tag that could not be read.
+    bad_tag: Option<ParseError>,
 }
 
 impl<'a> Reader<'a> {
@@ -175,6 +181,9 @@ impl<'a> Reader<'a> {
             understood: 0,
             unknown: 0,
             first_unknown: None,
+            creases: CreaseList::default(),
+            other_tags: Vec::new(),
+            bad_tag: None,
         }
     }
 
@@ -226,6 +235,7 @@ impl<'a> Reader<'a> {
                 self.points_and_lines += 1;
                 self.skip_statement();
             }
+            b"t" => self.tag(at),
             _ if FREE_FORM.contains(&keyword) => {
                 self.free_form += 1;
                 self.skip_statement();
@@ -273,6 +283,20 @@ impl<'a> Reader<'a> {
             .map(|line| line.strip_suffix('\\').unwrap_or(line).trim().to_string())
             .collect();
         joined.join(" ").trim().to_string()
+    }
+
+    /// A tag for a subdivision surface. The mesh is whole without one that is not understood.
+    fn tag(&mut self, at: usize) {
+        let text = self.name();
+        match self.creases.add_tag(&text, Place::File) {
+            Ok(Some(other)) if self.other_tags.iter().any(|name| name == other) => {}
+            Ok(Some(other)) => self.other_tags.push(other.into()),
+            Err(error) if self.bad_tag.is_none() => {
+                self.bad_tag =
+                    Some(ParseError { place: Place::Line(self.text.line_of(at)), ..error });
+            }
+            Ok(None) | Err(_) => {}
+        }
     }
 
     /// Numbers up to the end of the statement: their count, and the first ones.
@@ -438,7 +462,7 @@ impl<'a> Reader<'a> {
             self.corner_normal.iter_mut().filter(|i| **i >= normals).for_each(|i| *i = NONE);
             self.missing_normal.get_or_insert(e);
         }
-        let missing = [self.missing_uv.take(), self.missing_normal.take()];
+        let missing = [self.missing_uv.take(), self.missing_normal.take(), self.bad_tag.take()];
         self.data.notes.extend(missing.into_iter().flatten().map(|e| format!("passed over {e}")));
         self.note_what_was_left_out();
         self.finish_colours();
@@ -447,6 +471,9 @@ impl<'a> Reader<'a> {
         let faces = self.data.faces.len();
         if self.has_object || self.has_group {
             self.groups.fill(faces);
+        }
+        if !self.creases.is_empty() || self.creases.boundary.is_some() {
+            self.data.creases = Some(std::mem::take(&mut self.creases));
         }
         self.data.groups = self.groups.finish();
         self.materials.fill(faces);
@@ -459,6 +486,9 @@ impl<'a> Reader<'a> {
         if let Some((at, word)) = self.first_unknown {
             let (n, line) = (counted(self.unknown, "unknown statement"), self.text.line_of(at));
             notes.push(format!("{n} skipped, the first at line {line}: {}", quoted(word)));
+        }
+        if !self.other_tags.is_empty() {
+            notes.push(format!("tags left out: {}", self.other_tags.join(", ")));
         }
         if self.free_form > 0 {
             notes.push(format!("{} skipped", counted(self.free_form, "free-form statement")));
@@ -547,13 +577,12 @@ impl<'a> Reader<'a> {
         let per_vertex = one_per_vertex(vertices, corners, |corner| {
             bits(self.normals[self.corner_normal[corner] as usize])
         });
-        match per_vertex {
-            Some(normals) => {
-                let normal =
-                    |n: &Option<[u64; 3]>| n.unwrap_or_default().map(f64::from_bits).into();
-                self.data.normals = Some(normals.iter().map(normal).collect());
-            }
-            None => notes.push("normals left out: some vertices have several".into()),
+        if let Some(normals) = per_vertex {
+            let normal = |n: &Option<[u64; 3]>| n.unwrap_or_default().map(f64::from_bits).into();
+            self.data.normals = Some(normals.iter().map(normal).collect());
+        } else {
+            let of = |i: &u32| self.normals[*i as usize];
+            self.data.corner_normals = Some(self.corner_normal.iter().map(of).collect());
         }
     }
 }
@@ -603,12 +632,11 @@ pub(crate) fn encode(
         out.write_all(b"\n")?;
     }
     let uv_of_corner = write_uvs(data, &mut numbers, out)?;
-    for n in data.normals.iter().flatten() {
-        out.write_all(b"vn")?;
-        numbers.write_all(out, &[n.x, n.y, n.z])?;
-        out.write_all(b"\n")?;
+    let normal_of_corner = write_normals(data, &mut numbers, out)?;
+    write_faces(data, uv_of_corner.as_deref(), normal_of_corner.as_deref(), out)?;
+    if let Some(creases) = &data.creases {
+        creases.write_tags(&mut numbers, out)?;
     }
-    write_faces(data, uv_of_corner.as_deref(), out)?;
     let both = data.uvs.is_some() && data.corner_uvs.is_some();
     let mut notes = left_out(&[(both, "uvs per vertex beside those per corner")], "OBJ");
     if !opaque {
@@ -646,13 +674,43 @@ fn write_uvs(
     Ok(Some(of_corner))
 }
 
+/// Writes the `vn` statements, equal ones of corners once. For each corner its index from 0, unless that
+/// is its vertex.
+fn write_normals(
+    data: &MeshData,
+    numbers: &mut NumberWriter,
+    out: &mut dyn Write,
+) -> Result<Option<Vec<u32>>, Error> {
+    let mut write = |n: &Vec3| -> Result<(), Error> {
+        out.write_all(b"vn")?;
+        numbers.write_all(out, &[n.x, n.y, n.z])?;
+        Ok(out.write_all(b"\n")?)
+    };
+    let Some(corner_normals) = &data.corner_normals else {
+        data.normals.iter().flatten().try_for_each(&mut write)?;
+        return Ok(None);
+    };
+    let mut known: HashMap<[u64; 3], u32> = HashMap::new();
+    let mut of_corner = Vec::with_capacity(corner_normals.len());
+    for n in corner_normals {
+        let next = known.len() as u32;
+        let index = *known.entry([n.x, n.y, n.z].map(f64::to_bits)).or_insert(next);
+        if index == next {
+            write(n)?;
+        }
+        of_corner.push(index);
+    }
+    Ok(Some(of_corner))
+}
+
 fn write_faces(
     data: &MeshData,
     uv_of_corner: Option<&[u32]>,
+    normal_of_corner: Option<&[u32]>,
     out: &mut dyn Write,
 ) -> Result<(), Error> {
     let has_uv = data.uvs.is_some() || uv_of_corner.is_some();
-    let has_normal = data.normals.is_some();
+    let has_normal = data.normals.is_some() || normal_of_corner.is_some();
     let mut last = [None; 2];
     let mut corner = 0;
     for (face, vertices) in data.faces.iter().enumerate() {
@@ -672,11 +730,12 @@ fn write_faces(
         for &v in vertices {
             let vertex = u64::from(v) + 1;
             let uv = uv_of_corner.map_or(vertex, |of| u64::from(of[corner]) + 1);
+            let normal = normal_of_corner.map_or(vertex, |of| u64::from(of[corner]) + 1);
             match (has_uv, has_normal) {
                 (false, false) => write!(out, " {vertex}")?,
                 (true, false) => write!(out, " {vertex}/{uv}")?,
-                (false, true) => write!(out, " {vertex}//{vertex}")?,
-                (true, true) => write!(out, " {vertex}/{uv}/{vertex}")?,
+                (false, true) => write!(out, " {vertex}//{normal}")?,
+                (true, true) => write!(out, " {vertex}/{uv}/{normal}")?,
             }
             corner += 1;
         }

@@ -12,7 +12,7 @@ use fairform::{Faces, Vec3};
 
 use crate::data::{MeshData, WriteOptions, exact_bytes, push_face, scale_large_colours};
 use crate::error::{Error, ParseError, Place};
-use crate::format::left_out;
+use crate::format::{NORMALS_PER_CORNER, left_out};
 use crate::text::{NumberWriter, Scanner, counted, quoted};
 
 /// What the first word says about the vertices.
@@ -346,6 +346,8 @@ pub(crate) fn encode(
     }
     Ok(left_out(
         &[
+            (data.corner_normals.is_some(), NORMALS_PER_CORNER),
+            (data.creases.is_some(), "crease tags"),
             (data.corner_uvs.is_some(), "texture coordinates per corner"),
             (data.groups.is_some(), "groups"),
             (data.materials.is_some(), "materials"),

@@ -249,7 +249,8 @@ pub(crate) fn encode(
     notes.extend(unused_note(data));
     notes.extend(left_out(
         &[
-            (data.normals.is_some(), "normals of vertices"),
+            (data.creases.is_some(), "crease tags"),
+            (data.normals.is_some() || data.corner_normals.is_some(), "normals of vertices"),
             (data.colours.is_some(), "colours"),
             (data.uvs.is_some() || data.corner_uvs.is_some(), "texture coordinates"),
             (data.groups.is_some() && !options.ascii, "groups"),

@@ -364,8 +364,6 @@ const NOTED: &[(&str, &str)] = &[
         "odd/cube_no_indices.glb",
         "28 vertices at the position of another kept: glTF splits them at seams and sharp edges; welding joins them",
     ),
-    ("quad/suzanne.obj", "normals left out: some vertices have several"),
-    ("quad/catmark_pawn.obj", "120 unknown statements skipped, the first at line 1196: 't'"),
     ("odd/extra_properties_ascii.ply", "3 faces without texture coordinates have 0 0"),
 ];
 

@@ -6,7 +6,8 @@ use std::path::Path;
 
 use fairform::{Faces, Vec3};
 use fairform_io::{
-    Error, Format, Labels, MeshData, WriteOptions, encode, parse, read, save, write,
+    CreaseList, Error, Format, InterpolateBoundary, Labels, MeshData, WriteOptions, encode, parse,
+    read, save, write,
 };
 
 fn options(ascii: bool) -> WriteOptions {
@@ -155,6 +156,33 @@ fn obj_off_and_ply_keep_every_bit() {
 fn seamed() -> MeshData {
     let uv = |i: usize| [(i % 4) as f64 / 3.0, (i / 4 % 3) as f64];
     MeshData { corner_uvs: Some((0..24).map(uv).collect()), ..cube() }
+}
+
+/// Sharp edges are tags of OBJ, and normals on either side of them its `vn` per corner.
+#[test]
+fn only_obj_keeps_creases_and_their_normals() {
+    let data = MeshData {
+        normals: Some(vec![Vec3::new(0.0, 0.0, 1.0); 8]),
+        corner_normals: Some((0..24).map(|i| Vec3::new(f64::from(i / 4), 1.0, 0.0)).collect()),
+        creases: Some(CreaseList {
+            edges: vec![([0, 1], 2.5), ([3, 1], 10.0)],
+            vertices: vec![(7, 1.0 / 3.0)],
+            holes: vec![4],
+            boundary: Some(InterpolateBoundary::None),
+        }),
+        ..cube()
+    };
+    let (back, notes) = there_and_back(&data, Format::Obj, true);
+    // The mean follows from the normals of the corners.
+    assert_eq!(back, MeshData { normals: None, ..data.clone() });
+    assert!(notes.is_empty(), "{notes:?}");
+    for format in [Format::Off, Format::Ply, Format::Glb, Format::Gltf, Format::Stl] {
+        let (back, notes) = there_and_back(&data, format, false);
+        let notes = notes.join("\n");
+        assert!(notes.contains("crease tags"), "{format}: {notes}");
+        assert!(notes.contains("normals of"), "{format}: {notes}");
+        assert_eq!((back.creases, back.corner_normals), (None, None));
+    }
 }
 
 fn labelled() -> MeshData {

@@ -102,6 +102,18 @@ pub enum RenderError {
         /// Number of faces of the body.
         face_count: usize,
     },
+    /// Normals are not one per face corner.
+    #[error("panel {panel}, body {body}: {given} normals are given for {corner_count} corners")]
+    CornerCount {
+        /// Panel.
+        panel: usize,
+        /// Body in the panel.
+        body: usize,
+        /// How many are given.
+        given: usize,
+        /// Number of face corners of the body.
+        corner_count: usize,
+    },
     /// A stroke ends at a vertex that its body does not have.
     #[error(
         "panel {panel}, body {body}: stroke {stroke} ends at vertex {vertex}, but there are \

@@ -66,7 +66,7 @@ impl Default for Options {
 /// # Errors
 /// If the size is beyond [`MAX_SIDE`] or [`MAX_PIXELS`] or leaves no room for the panels; a face
 /// lists a vertex that does not exist; a vertex that is drawn is not finite; a stroke ends at one that
-/// does not exist; there are not as many normals, colours or values as vertices, or values as faces; a
+/// does not exist; there are not as many normals, colours or values as vertices, normals as corners, or values as faces; a
 /// number of the view, a style or the options is out of its range.
 pub fn render(
     panels: &[Panel],

@@ -4,6 +4,7 @@ use fairform::{FaceId, Faces, Vec3, VertexId};
 
 use crate::arrow::{self, Arrow, Extent};
 use crate::camera::Camera;
+use crate::light::dot;
 use crate::paint::Paint;
 use crate::polygon::{self, Corner};
 use crate::surface::Finish;
@@ -31,6 +32,10 @@ pub struct Body<'a> {
     /// Normal of each vertex, of any length, for smooth shading. Where absent, zero or not finite,
     /// the mean of the face normals weighted by the angle of the corner. \[Thürmer1998\]
     pub normals: Option<&'a [Vec3]>,
+    /// Normal at each face corner, in the order of [`Faces::corners`], instead of that of its vertex: where
+    /// a crease parts the surface. One that is zero, not finite, or points
+    /// away from its face does not count: where a surface folds over at a corner, in that point alone.
+    pub corner_normals: Option<&'a [Vec3]>,
     /// sRGB colour and opacity of each vertex, used instead of the fill's, or for the points where
     /// there is no fill. A colour that is not finite is ignored.
     pub colours: Option<&'a [[f64; 4]]>,
@@ -52,6 +57,7 @@ impl<'a> Body<'a> {
             positions,
             faces,
             normals: None,
+            corner_normals: None,
             colours: None,
             values: None,
             strokes: &[],
@@ -236,12 +242,18 @@ pub(crate) fn check(panel: &Panel, index: usize) -> Result<(), RenderError> {
                 });
             }
         }
+        let corner_count = body.faces.corners().len();
+        let given = body.corner_normals.map(<[_]>::len);
+        if let Some(given) = given.filter(|&given| given != corner_count) {
+            return Err(RenderError::CornerCount { panel: index, body: b, given, corner_count });
+        }
         let face_count = body.faces.len();
         if let Some(given) = of_faces.filter(|&given| given != face_count) {
             return Err(RenderError::FaceCount { panel: index, body: b, given, face_count });
         }
-        // A face has at most one point in its middle.
+        // A face has at most one point in its middle, and a corner one of its own.
         size = size
+            .saturating_add(given.unwrap_or(0))
             .saturating_add(vertex_count)
             .saturating_add(body.faces.corners().len())
             .saturating_add(body.faces.len())
@@ -489,7 +501,7 @@ impl Scene {
         if let Some(material) = material {
             self.materials.push(material);
             let is_cyclic = gauge.is_some_and(|g| g.map == ColourMap::Cyclic);
-            self.fill(body, first_point, first_face, wants, is_cyclic);
+            self.fill(body, first_point, first_face, wants, is_cyclic, camera);
         }
         self.stroke(body, first_point, first_face, unit);
         if let Some(dot) = style.points.filter(|d| d.radius > 0.0) {
@@ -569,12 +581,18 @@ impl Scene {
         first_face: u32,
         wants: &Wants,
         is_cyclic: bool,
+        camera: &Camera,
     ) {
         let number = self.materials.len() as u32 - 1;
         let (mut corners, mut places): (Vec<u32>, Vec<Vec3>) = (Vec::new(), Vec::new());
+        let starts = body.faces.starts();
         for (f, face) in body.faces.iter().enumerate().filter(|(_, face)| face.len() >= 3) {
             corners.clear();
             corners.extend(face.iter().map(|v| first_point + v));
+            if let Some(normals) = body.corner_normals {
+                let own = &normals[starts[f] as usize..][..face.len()];
+                self.part(&mut corners, own, first_face as usize + f, camera);
+            }
             places.clear();
             places.extend(corners.iter().map(|&c| self.points[c as usize]));
             let middle = self.points.len() as u32;
@@ -607,6 +625,30 @@ impl Scene {
                     let own = mean(corners.iter().map(|&c| self.colours[c as usize]), n);
                     self.colours.push(own);
                 }
+            }
+        }
+    }
+
+    /// Gives corners whose normal is another than that of their point a point of their own.
+    fn part(&mut self, corners: &mut [u32], normals: &[Vec3], face: usize, camera: &Camera) {
+        let front = self.face_normals[face];
+        for (corner, &normal) in corners.iter_mut().zip(normals) {
+            let (point, normal) = (*corner as usize, normal.normalized());
+            if !normal.is_finite() || normal == Vec3::ZERO {
+                continue;
+            }
+            let turned = to_f32(camera.turn(normal));
+            if self.normals[point] == turned || dot(turned, front) < 0.0 {
+                continue;
+            }
+            *corner = self.points.len() as u32;
+            self.points.push(self.points[point]);
+            self.normals.push(turned);
+            if let Some(&value) = self.values.get(point) {
+                self.values.push(value);
+            }
+            if let Some(&colour) = self.colours.get(point) {
+                self.colours.push(colour);
             }
         }
     }

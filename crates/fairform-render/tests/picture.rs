@@ -319,6 +319,29 @@ fn wrong_input_is_named() {
 }
 
 /// A vertex that no face uses is nobody's business, unless points are drawn.
+/// A smooth cube whose corners have the normals of their sides has sides as flat as a flat one.
+#[test]
+fn normals_of_corners_part_what_a_vertex_joins() {
+    let (positions, faces) = cube();
+    let sides =
+        [[0., 0., -1.], [0., 0., 1.], [0., -1., 0.], [0., 1., 0.], [-1., 0., 0.], [1., 0., 0.]];
+    let normals: Vec<Vec3> = sides.iter().flat_map(|&n| [Vec3::from(n); 4]).collect();
+    let draw = |body| render(&panel(vec![body]), &View::default(), SIZE, &bare()).unwrap().to_png();
+    let smooth = Body::new(&positions, &faces);
+    let flat = Body { style: Style { smooth: false, ..Style::default() }, ..smooth };
+    let parted = Body { corner_normals: Some(&normals), ..smooth };
+    assert_eq!(draw(parted), draw(flat));
+    assert_ne!(draw(parted), draw(smooth));
+    // Those without a direction do not count, nor those that point away.
+    let inward: Vec<Vec3> = normals.iter().map(|n| -1.0 * *n).collect();
+    assert_eq!(draw(Body { corner_normals: Some(&inward), ..smooth }), draw(smooth));
+    let none = [Vec3::ZERO, Vec3::new(f64::NAN, 0.0, 0.0)].repeat(12);
+    assert_eq!(draw(Body { corner_normals: Some(&none), ..smooth }), draw(smooth));
+    let few = Body { corner_normals: Some(&normals[1..]), ..smooth };
+    let error = render(&panel(vec![few]), &View::default(), SIZE, &bare()).unwrap_err();
+    assert!(matches!(error, RenderError::CornerCount { given: 23, corner_count: 24, .. }));
+}
+
 #[test]
 fn an_unused_vertex_may_be_anything() {
     let positions = points(&[[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [f64::INFINITY, 0., 0.]]);

@@ -14,9 +14,10 @@ use crate::limit::operator::{RingOperator, RowOperator};
 use crate::limit::{self, LimitRows, limit_points};
 use crate::mesh::Bounds;
 use crate::refine::DooSabinRows;
+use crate::rows::Rows as _;
 use crate::rules::BoundaryKinds;
 use crate::scheme::loop_scheme::{BoundaryKind, boundary_scale};
-use crate::scheme::{Rules, Scheme, catmull_clark, doo_sabin, loop_scheme};
+use crate::scheme::{Border, Rules, Scheme, catmull_clark, doo_sabin, loop_scheme};
 use crate::solve::{Interval, LinearOperator, Outcome, Report, Step, Stop};
 use crate::{Mesh, Topology, Vec3, order, par, rows, solve};
 
@@ -373,6 +374,19 @@ impl<'t> Interpolator<'t> {
         Ok(Self { topology, rules, stages })
     }
 
+    /// The stages in order: which vertices, how many, and a lower bound for the eigenvalues of the
+    /// limit operator among them, of which the upper bound is 1. Where the bound is not positive,
+    /// nothing is known.
+    pub fn stages(&self) -> impl Iterator<Item = (StageName, usize, f64)> {
+        self.stages.iter().map(|stage| {
+            let bound = match &stage.operator {
+                StageOperator::Ring(operator) => operator.smallest_eigenvalue_bound(),
+                StageOperator::Rows(operator) => operator.smallest_eigenvalue_bound(),
+            };
+            (stage.name, stage.unknown_count(), bound)
+        })
+    }
+
     /// The control values whose limit values are `target`, and what it took.
     ///
     /// # Errors
@@ -409,7 +423,22 @@ impl<'t> Interpolator<'t> {
             norm => norm.unit(&bounds),
         };
         let stop = Stop { tolerance: options.tolerance, unit, max_updates: options.iterations };
-        Ok(Scaled { target, exponent, stop })
+        if self.rules.border != Border::None {
+            return Ok(Scaled { start: None, target, exponent, stop });
+        }
+        // Support is to stay as given: its limit points, which depend on the boundary alone, then are
+        // what the given points make of it.
+        let start = target;
+        let rows = LimitRows::new(self.topology, self.rules);
+        let target = par::collect(start.len(), |v| {
+            if !self.rules.is_support(self.topology, VertexId(v as u32)) {
+                return start[v];
+            }
+            let mut sum = Vec3::ZERO;
+            rows.visit(v, |q, weight| sum += weight * start[q as usize]);
+            sum
+        });
+        Ok(Scaled { start: Some(start), target, exponent, stop })
     }
 
     /// Control values for scaled targets, all stages one after the other.
@@ -420,7 +449,7 @@ impl<'t> Interpolator<'t> {
         stop: Stop,
         observer: &mut Observer<'_>,
     ) -> Result<(Vec<Vec3>, Vec<StageReport>), Error> {
-        let mut control = scaled.target.clone();
+        let mut control = scaled.start.as_ref().unwrap_or(&scaled.target).clone();
         let mut stages = Vec::new();
         for stage in &self.stages {
             let name = stage.name;
@@ -449,7 +478,8 @@ impl<'t> Interpolator<'t> {
     fn residual(&self, target: &[Vec3], limit: &[Vec3]) -> (f64, f64) {
         let blocks = par::blocks(limit.len(), |range| {
             range.fold((0.0_f64, 0.0, 0_usize), |(max, sum, count), v| {
-                if self.topology.is_isolated(VertexId(v as u32)) {
+                let id = VertexId(v as u32);
+                if self.topology.is_isolated(id) || self.rules.is_support(self.topology, id) {
                     return (max, sum, count);
                 }
                 let distance = (target[v] - limit[v]).length();
@@ -464,6 +494,9 @@ impl<'t> Interpolator<'t> {
 
 /// Targets divided by a power of two, and when to stop in that scale.
 struct Scaled {
+    /// The given values, if some of them are support.
+    start: Option<Vec<Vec3>>,
+    /// The limit values to reach.
     target: Vec<Vec3>,
     exponent: i32,
     stop: Stop,
@@ -600,7 +633,8 @@ impl Parts {
         if rules.creases.is_none() {
             let sharp = rules.sharpness(topology);
             for v in topology.vertices().filter(|&v| !topology.is_isolated(v)) {
-                let is_known = rules.scheme != Scheme::DooSabin && sharp.vertex(v) > 0.0;
+                let is_known = rules.scheme != Scheme::DooSabin
+                    && (sharp.vertex(v) > 0.0 || rules.is_support(topology, v));
                 let list = match topology.is_boundary(v) {
                     true if is_known => &mut known,
                     true => &mut curves,
@@ -624,9 +658,12 @@ impl Parts {
             on_curve[v.index()] =
                 !topology.is_isolated(v) && row(v.0).len() <= 3 && sharp.kind(v, 0) != Kind::Smooth;
         }
+        let is_support = |v: VertexId| rules.is_support(topology, v);
         loop {
             let outside = |v: &VertexId| {
-                on_curve[v.index()] && row(v.0).iter().any(|e| !on_curve[e.0 as usize])
+                on_curve[v.index()]
+                    && !is_support(*v)
+                    && row(v.0).iter().any(|e| !on_curve[e.0 as usize])
             };
             let dropped: Vec<VertexId> = topology.vertices().filter(outside).collect();
             if dropped.is_empty() {
@@ -636,6 +673,7 @@ impl Parts {
         }
         for v in topology.vertices().filter(|&v| !topology.is_isolated(v)) {
             let list = match on_curve[v.index()] {
+                _ if is_support(v) => &mut known,
                 true if row(v.0).len() == 1 => &mut known,
                 true => &mut curves,
                 false => &mut others,

@@ -18,7 +18,7 @@ mod normals;
 pub(crate) mod operator;
 
 pub(crate) use normals::side_tangents;
-pub use normals::{limit_normals, limit_tangents};
+pub use normals::{limit_corner_normals, limit_normals, limit_tangents};
 
 use local::Local;
 

@@ -32,12 +32,29 @@ use crate::{Stencils, Topology, Vec3, par};
 /// Found by colouring, not by iterating. Rules that do not fit the topology have none.
 #[must_use]
 pub fn singular_components(topology: &Topology, rules: &Rules) -> Vec<VertexId> {
+    let is_singular = |&(_, fans): &(_, [u64; 2])| fans == [0, 0];
+    plain_components(topology, rules).into_iter().filter(is_singular).map(|c| c.0).collect()
+}
+
+/// Whether the limit operator is known to have an eigenvalue that is not positive, so that no
+/// iteration converges for every target, though control points may exist: with the vertices of a closed
+/// part coloured ±1 as for [`singular_components`], its quadratic form is $`\sum n(n-3)`$, and each
+/// vertex with two faces takes 2 from that.
+#[must_use]
+pub fn is_not_definite(topology: &Topology, rules: &Rules) -> bool {
+    plain_components(topology, rules).iter().any(|&(_, [minus, plus])| minus >= plus)
+}
+
+/// The first vertex of each connected component of Catmull–Clark without boundary and creases whose
+/// vertices can be coloured so that edges connect two colours; and the sum of $`n(n-3)`$ over its
+/// vertices with $`n`$ faces, its negative and its positive part.
+fn plain_components(topology: &Topology, rules: &Rules) -> Vec<(VertexId, [u64; 2])> {
     if rules.scheme != Scheme::CatmullClark || rules.check(topology).is_err() {
         return Vec::new();
     }
     let sharp = rules.sharpness(topology);
     let is_plain = |v: VertexId| {
-        topology.fan_size(v) == 3
+        !topology.is_isolated(v)
             && !topology.is_boundary(v)
             && sharp.vertex(v) == 0.0
             && sharp.edges(v).all(|e| sharp.edge(e.0) == 0.0)
@@ -48,32 +65,35 @@ pub fn singular_components(topology: &Topology, rules: &Rules) -> Vec<VertexId> 
         if colour[seed.index()] != Colour::None || !is_plain(seed) {
             continue;
         }
-        let mut is_singular = true;
+        let mut is_plain_part = true;
+        let mut fans = [0; 2];
         colour[seed.index()] = Colour::Black;
         queue.push(seed);
         while let Some(v) = queue.pop() {
+            let n = u64::from(topology.fan_size(v));
+            fans[usize::from(n > 2)] += if n > 2 { n * (n - 3) } else { n * (3 - n) };
             let own = colour[v.index()];
             let other = if own == Colour::Black { Colour::White } else { Colour::Black };
             for q in topology.ring(v) {
-                is_singular &= colour[q.index()] != own;
+                is_plain_part &= colour[q.index()] != own;
                 if colour[q.index()] == Colour::None {
                     if is_plain(q) {
                         colour[q.index()] = other;
                         queue.push(q);
                     } else {
-                        is_singular = false;
+                        is_plain_part = false;
                     }
                 }
             }
         }
-        if is_singular {
-            found.push(seed);
+        if is_plain_part {
+            found.push((seed, fans));
         }
     }
     found
 }
 
-/// A colour of [`singular_components`].
+/// A colour of [`plain_components`].
 #[derive(Clone, Copy, PartialEq)]
 enum Colour {
     None,

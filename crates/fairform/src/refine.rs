@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use crate::error::Error;
 use crate::ids::{FaceId, HalfedgeId};
 use crate::rows;
-use crate::scheme::{Rules, Scheme};
+use crate::scheme::{Border, Rules, Scheme};
 use crate::{Mesh, Stencils, Topology, Vec3};
 
 mod butterfly_step;
@@ -53,7 +53,9 @@ pub fn refine<'t>(topology: &'t Topology, rules: &'t Rules) -> Result<Refined<'t
         [finer.edge(HalfedgeId(a)), finer.edge(HalfedgeId(b))]
     };
     let creases = rules.creases.as_ref().map(|c| Arc::new(c.refined(&finer, halves)));
-    let next = Rules { tension: None, creases, ..rules.clone() };
+    // The faces at the finer boundary are not all that were support.
+    let border = if rules.border == Border::None { Border::Bspline } else { rules.border };
+    let next = Rules { tension: None, creases, border, ..rules.clone() };
     Ok(Refined { coarse: topology, rules, topology: finer, next })
 }
 

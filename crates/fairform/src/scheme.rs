@@ -7,7 +7,7 @@ use core::fmt;
 use core::str::FromStr;
 
 use crate::Topology;
-use crate::crease::{Creases, Sharpness};
+use crate::crease::{Creases, INFINITE, Sharpness};
 use crate::error::Error;
 use crate::ids::{FaceId, VertexId};
 
@@ -90,15 +90,19 @@ pub enum Corners {
     Sharp,
 }
 
-/// What Doo and Sabin's scheme does at the boundary.
+/// What becomes of the boundary.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Border {
-    /// A boundary edge counts as a face with two corners, so the boundary becomes a quadratic
-    /// B-spline of its own vertices.
+    /// The boundary becomes a B-spline of its own vertices: cubic, and for Doo and Sabin's scheme,
+    /// where a boundary edge counts as a face with two corners, quadratic.
     #[default]
     Bspline,
-    /// Only inner edges and vertices make faces; the mesh shrinks by half a face per step.
+    /// Doo–Sabin: only inner edges and vertices make faces; the mesh shrinks by half a face per step.
     Drop,
+    /// Faces at the boundary are support: they are refined as with [`Bspline`](Self::Bspline), but no
+    /// surface corresponds to them, see [`Rules::has_surface`]. Interpolation keeps the control points
+    /// of their boundary vertices as given. OpenSubdiv's "none"; not for Doo–Sabin.
+    None,
 }
 
 /// A scheme with its choices, and what it needs to know of a mesh besides the connectivity.
@@ -108,7 +112,7 @@ pub struct Rules {
     pub scheme: Scheme,
     /// What happens at corners of the boundary.
     pub corners: Corners,
-    /// What Doo and Sabin's scheme does at the boundary.
+    /// What becomes of the boundary.
     pub border: Border,
     /// Shape parameter of each face in $`(0, 1]`$, for a first Doo–Sabin step in two phases: near 1
     /// the surface hugs the mesh, around 1/2 it is roundest. `None` is the plain scheme.
@@ -173,6 +177,16 @@ impl Rules {
             }
             Scheme::CatmullClark | Scheme::DooSabin => {}
         }
+        match (self.border, self.scheme) {
+            (Border::Drop, Scheme::DooSabin) | (Border::Bspline, _) => {}
+            (Border::Drop, _) => {
+                return Err(Error::NotForScheme { what: "a boundary that is dropped", scheme });
+            }
+            (Border::None, Scheme::DooSabin) => {
+                return Err(Error::NotForScheme { what: "a boundary that is support", scheme });
+            }
+            (Border::None, _) => {}
+        }
         if let Some(tension) = &self.tension {
             if self.scheme != Scheme::DooSabin {
                 return Err(Error::NotForScheme { what: "a shape parameter per face", scheme });
@@ -208,6 +222,31 @@ impl Rules {
             warnings.extend(rough.map(|vertex| Warning::ValenceThree { vertex, weight }));
         }
         warnings
+    }
+
+    /// Whether a surface corresponds to each face: to all but those at the boundary with
+    /// [`Border::None`]. As in OpenSubdiv, a boundary vertex takes the surface from its faces unless both
+    /// its boundary edges are creases of infinite sharpness.
+    #[must_use]
+    pub fn has_surface(&self, topology: &Topology) -> Vec<bool> {
+        let mut has_surface = alloc::vec![true; topology.face_count()];
+        for v in topology.vertices().filter(|&v| self.is_support(topology, v)) {
+            topology.fan(v).for_each(|h| has_surface[topology.face(h).index()] = false);
+        }
+        has_surface
+    }
+
+    /// Whether a vertex has control points but no surface.
+    pub(crate) fn is_support(&self, topology: &Topology, v: VertexId) -> bool {
+        let is_sharp =
+            |h| self.creases.as_ref().is_some_and(|c| c.edge(topology.edge(h)) >= INFINITE);
+        self.border == Border::None
+            && topology.is_boundary(v)
+            && !topology.fan(v).all(|h| {
+                let back = topology.prev(h);
+                (topology.twin(h).is_some() || is_sharp(h))
+                    && (topology.twin(back).is_some() || is_sharp(back))
+            })
     }
 
     pub(crate) fn sharpness<'a>(&'a self, topology: &'a Topology) -> Sharpness<'a> {

@@ -202,7 +202,7 @@ fn check_refinement(mesh: &Mesh, rules: &Rules, levels: u32, name: &str) {
         let samples = evaluator.evaluate_many(mesh.positions(), &locations).unwrap();
         let stencils;
         let limit = match next.border {
-            Border::Bspline => {
+            Border::Bspline | Border::None => {
                 limit::limit_points(fine.topology(), fine.positions(), next).unwrap()
             }
             // Only inner vertices have limit points: with the other border they are the same.

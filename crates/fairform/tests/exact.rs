@@ -9,7 +9,7 @@ use common::{assert_near, assorted, random_mesh};
 use fairform::interpolate::{Fit, Interpolator, Method, Options, fit_mesh, interpolate};
 use fairform::pushback::{PushBack, singular_components};
 use fairform::refine::{refine, refine_mesh};
-use fairform::{Corners, Creases, Error, Faces, Mesh, Rules, Scheme, Vec3, limit, shapes};
+use fairform::{Border, Corners, Creases, Error, Faces, Mesh, Rules, Scheme, Vec3, limit, shapes};
 use proptest::prelude::*;
 
 const EXACT: Options = Options {
@@ -542,4 +542,69 @@ fn fairness_is_between_0_and_1_at_any_scale() {
     let point = cube.with_positions(vec![Vec3::splat(3.0); 8]);
     let fit = with_fairness(&point, &catmull_clark(), 1.0);
     assert_near(fit.control.positions(), &vec![Vec3::splat(3.0); 26], 1e-15, "a point");
+}
+
+/// Two polygons glued on all sides, with a bumpy rim: `n` vertices with two faces.
+fn pillow(n: u32) -> Mesh {
+    let mut faces = Faces::new();
+    faces.push(&(0..n).collect::<Vec<_>>());
+    faces.push(&(0..n).rev().collect::<Vec<_>>());
+    let rim = prism(n).positions()[..n as usize].to_vec();
+    shaken(&Mesh::new(rim, &faces).unwrap(), 0.2)
+}
+
+/// The rim of even polygons can be coloured, and then the form is negative: no update is wasted. That of
+/// odd ones cannot, though the form is as bad; the solve gives up soon.
+#[test]
+fn valence_2_costs_few_updates() {
+    for (n, most) in [(4, 7), (6, 7), (5, 200), (7, 200), (9, 200)] {
+        let mut seen = 0;
+        let mut count = |_, _| {
+            seen += 1;
+            ControlFlow::Continue(())
+        };
+        let target = pillow(n);
+        let fit = fit_mesh(&target, &catmull_clark(), &Options::default(), &mut count).unwrap();
+        assert!(fit.report.max < 1e-13 && fit.level == 1, "{n}: {}", fit.report.max);
+        assert!(seen <= most, "{n}: {seen}");
+    }
+}
+
+/// Support keeps its control points; vertices inside are met, exactly after a push-back.
+#[test]
+fn support_stays_as_given_and_the_inside_is_met() {
+    for (name, mesh) in polygons().into_iter().chain(assorted()) {
+        for scheme in [Scheme::CatmullClark, Scheme::Loop] {
+            let rules = Rules { border: Border::None, ..scheme.into() };
+            if rules.check(mesh.topology()).is_err() {
+                continue;
+            }
+            let target = shaken(&mesh, 0.05);
+            let (topology, given) = (target.topology(), target.positions());
+            let inside = |v: &fairform::VertexId| !topology.is_boundary(*v);
+            let (control, report) = interpolate(&target, &rules, &Options::default()).unwrap();
+            let limit = limit::limit_points(topology, control.positions(), &rules).unwrap();
+            for v in topology.vertices() {
+                let v = (v, v.index());
+                if inside(&v.0) && report.is_converged() {
+                    let off = (limit[v.1] - given[v.1]).length() / report.unit;
+                    assert!(off <= 1e-6, "{name} {scheme} {}: {off}", v.0);
+                } else if !inside(&v.0) {
+                    assert_eq!(control.positions()[v.1], given[v.1], "{name} {scheme}");
+                }
+            }
+            let pushed = fit(&target, &rules, &EXACT);
+            let fine = limit::limit_points(
+                pushed.control.topology(),
+                pushed.control.positions(),
+                &pushed.rules,
+            )
+            .unwrap();
+            let plain = limit::limit_points(topology, given, &rules).unwrap();
+            for v in topology.vertices() {
+                let expected = if inside(&v) { given[v.index()] } else { plain[v.index()] };
+                assert!((fine[v.index()] - expected).length() < 1e-13, "{name} {scheme} {v}");
+            }
+        }
+    }
 }

@@ -401,3 +401,78 @@ fn eigenvalues_lie_between_0_and_1_for_any_parameters() {
         }
     }
 }
+
+/// As in OpenSubdiv: faces at a boundary vertex are support, unless both its boundary edges are sharp for
+/// ever; their finer faces are those that descend from them.
+#[test]
+fn faces_at_the_boundary_may_be_support() {
+    let sheet = quad_sheet(5, 6);
+    let topology = sheet.topology();
+    let none = Rules { border: Border::None, ..Scheme::CatmullClark.into() };
+    let count = |rules: &Rules| rules.has_surface(topology).iter().filter(|has| **has).count();
+    assert_eq!(count(&Scheme::CatmullClark.into()), 20);
+    assert_eq!(count(&none), 6);
+    let mut creases = Creases::smooth(topology);
+    for e in topology.edges().filter(|&e| topology.is_boundary_edge(e)) {
+        let h = topology.edge_halfedge(e);
+        let on_side = [topology.origin(h), topology.target(h)].iter().all(|v| v.0 < 6);
+        creases.set_edge(e, if on_side { 10.0 } else { 9.9 }).unwrap();
+    }
+    // The four inner vertices of one side take part again; its ends do not.
+    assert_eq!(count(&Rules { creases: Some(creases.into()), ..none.clone() }), 9);
+    for scheme in [Scheme::DooSabin, Scheme::CatmullClark] {
+        let wrong = if scheme == Scheme::DooSabin { Border::None } else { Border::Drop };
+        let error = Rules { border: wrong, ..scheme.into() }.check(topology).unwrap_err();
+        assert!(matches!(error, Error::NotForScheme { .. }), "{scheme}");
+    }
+    let step = refine(topology, &none).unwrap();
+    assert_eq!(step.next.border, Border::Bspline);
+}
+
+/// A cube whose edges are sharp is flat on each side, and its corners know that.
+#[test]
+fn each_side_of_a_crease_has_its_normal() {
+    let cube = fairform::shapes::cube();
+    let topology = cube.topology();
+    let creases = Creases::by_angle(topology, cube.positions(), 30.0, 10.0).unwrap();
+    let rules = Rules { creases: Some(creases.into()), ..Scheme::CatmullClark.into() };
+    let (fine, rules) = refine_mesh(&cube, &rules, 2).unwrap();
+    let (topology, points) = (fine.topology(), fine.positions());
+    let normals = limit::limit_corner_normals(topology, points, &rules).unwrap();
+    for h in topology.halfedges() {
+        let corners: Vec<Vec3> =
+            topology.face_vertices(topology.face(h)).iter().map(|v| points[v.index()]).collect();
+        let flat = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
+        assert!((normals[h.index()] - flat).length() < 1e-12, "{h}");
+    }
+}
+
+/// Where nothing is parted, the normals of corners are those of their vertices; and the mean of the sides
+/// is the vertex's anyway.
+#[test]
+fn normals_of_corners_agree_with_those_of_vertices() {
+    for (name, mesh) in polygons() {
+        let topology = mesh.topology();
+        for share in [0, 40] {
+            let creases = random_creases(topology, 7, share);
+            let rules = Rules { creases: Some(creases.into()), ..Scheme::CatmullClark.into() };
+            let corners = limit::limit_corner_normals(topology, mesh.positions(), &rules).unwrap();
+            let normals = limit::limit_normals(topology, mesh.positions(), &rules).unwrap();
+            for v in topology.vertices() {
+                let mut sides: Vec<Vec3> = Vec::new();
+                for n in topology.fan(v).map(|h| corners[h.index()]) {
+                    if sides.last() != Some(&n) {
+                        sides.push(n);
+                    }
+                }
+                if !topology.is_boundary(v) && sides.len() > 1 && sides.first() == sides.last() {
+                    sides.pop();
+                }
+                let mean = sides.iter().copied().sum::<Vec3>().normalized();
+                let off = (mean - normals[v.index()]).length();
+                assert!(sides.len() < 2 || off < 1e-12, "{name} {v}: {off}");
+                assert!(share > 0 || sides.len() < 2, "{name} {v}");
+            }
+        }
+    }
+}

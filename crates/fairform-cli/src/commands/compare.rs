@@ -3,11 +3,13 @@
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::time::Instant;
 
 use fairform::fairness::{self, Measures};
 use fairform::interpolate::{self, Options};
-use fairform::{Corners, Faces, Mesh, Rules, Scheme, Vec3, limit, refine, tension};
+use fairform::repair::Soup;
+use fairform::{Faces, Mesh, Rules, Scheme, Vec3, VertexId, limit, refine, tension};
 use fairform_render::{Body, Line, Panel};
 use serde_json::{Value, json};
 
@@ -30,9 +32,11 @@ pub(crate) fn run(args: &Compare, console: &Console) -> Result<ExitCode, Failure
     let mesh = &target.mesh;
     let progress = console.progress();
     let mut rows = Vec::new();
-    for (name, rules) in schemes(mesh) {
+    for (name, rules, shape) in schemes(mesh) {
         progress.say(format!("fitting: {name}"));
-        match Row::new(name, mesh, &rules, args.levels) {
+        let row =
+            shape.of(mesh).and_then(|own| Row::new(name, mesh, &own, &rules, shape, args.levels));
+        match row {
             Ok(row) => rows.push(row),
             Err(error) => console.note(format!("note: {name} left out: {error}")),
         }
@@ -51,33 +55,78 @@ pub(crate) fn run(args: &Compare, console: &Console) -> Result<ExitCode, Failure
     Ok(ExitCode::SUCCESS)
 }
 
-/// All schemes that suit a mesh.
-fn schemes(mesh: &Mesh) -> Vec<(&'static str, Rules)> {
+/// What is done to a mesh before a scheme can take it. Its vertices stay, and are interpolated.
+#[derive(Clone, Copy, PartialEq)]
+enum Shape {
+    AsGiven,
+    /// Polygons are cut into triangles.
+    Triangles,
+    /// Polygons are cut into quadrilaterals at the middles of edges and faces, by a step of Catmull–Clark's
+    /// connectivity.
+    Quadrilaterals,
+}
+
+impl Shape {
+    fn name(self) -> &'static str {
+        match self {
+            Self::AsGiven => "as given",
+            Self::Triangles => "triangulated",
+            Self::Quadrilaterals => "split",
+        }
+    }
+
+    fn of(self, mesh: &Mesh) -> Result<Mesh, fairform::Error> {
+        match self {
+            Self::AsGiven => Ok(mesh.clone()),
+            Self::Triangles => {
+                let faces = mesh.topology().to_faces();
+                let mut soup = Soup::new(mesh.positions().to_vec(), faces);
+                let _ = soup.triangulate();
+                Mesh::new(soup.positions, &soup.faces)
+            }
+            Self::Quadrilaterals => {
+                let (topology, p) = (mesh.topology(), mesh.positions());
+                let finer = refine::refine(topology, &Scheme::CatmullClark.into())?.topology;
+                let at = |v: VertexId| p[v.index()];
+                let mut positions = p.to_vec();
+                positions.extend(topology.edges().map(|e| {
+                    let h = topology.edge_halfedge(e);
+                    0.5 * (at(topology.origin(h)) + at(topology.target(h)))
+                }));
+                positions.extend(topology.faces().map(|f| {
+                    let corners = topology.face_vertices(f);
+                    corners.iter().map(|&v| at(v)).sum::<Vec3>() / corners.len() as f64
+                }));
+                Ok(Mesh::from_parts(Arc::new(finer), positions))
+            }
+        }
+    }
+}
+
+/// All schemes, and what they need.
+fn schemes(mesh: &Mesh) -> Vec<(&'static str, Rules, Shape)> {
     let size = mesh.topology().uniform_face_size();
     let tight =
         |lambda: Vec<f64>| Rules { tension: Some(lambda.into()), ..Scheme::DooSabin.into() };
     let count = mesh.topology().face_count();
-    let mut all = Vec::new();
-    if size == Some(3) {
-        all.push(("loop", Rules::LOOP));
-    }
-    all.push(("catmull-clark", Scheme::CatmullClark.into()));
-    all.push(("doo-sabin", Scheme::DooSabin.into()));
-    all.push(("two-phase, auto", tight(tension::automatic(mesh))));
-    all.push(("two-phase, 0.5", tight(vec![0.5; count])));
-    all.push(("two-phase, 0.85", tight(vec![0.85; count])));
-    if size == Some(3) {
-        all.push(("butterfly", Scheme::Butterfly.into()));
-    }
-    if size == Some(4) {
-        all.push(("kobbelt", Rules { corners: Corners::Sharp, ..Scheme::Kobbelt.into() }));
-    }
-    all
+    let triangles = if size == Some(3) { Shape::AsGiven } else { Shape::Triangles };
+    let quadrilaterals = if size == Some(4) { Shape::AsGiven } else { Shape::Quadrilaterals };
+    vec![
+        ("loop", Rules::LOOP, triangles),
+        ("catmull-clark", Scheme::CatmullClark.into(), Shape::AsGiven),
+        ("doo-sabin", Scheme::DooSabin.into(), Shape::AsGiven),
+        ("two-phase, auto", tight(tension::automatic(mesh)), Shape::AsGiven),
+        ("two-phase, 0.5", tight(vec![0.5; count]), Shape::AsGiven),
+        ("two-phase, 0.85", tight(vec![0.85; count]), Shape::AsGiven),
+        ("butterfly", Scheme::Butterfly.into(), triangles),
+        ("kobbelt", Scheme::Kobbelt.into(), quadrilaterals),
+    ]
 }
 
 /// What one scheme makes of the mesh.
 struct Row {
     name: &'static str,
+    shape: Shape,
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
     faces: Faces,
@@ -89,15 +138,20 @@ struct Row {
 }
 
 impl Row {
+    /// Fits `own`, which is `target` in another shape; measured against `target`, at about the same number
+    /// of faces.
     fn new(
         name: &'static str,
         target: &Mesh,
+        own: &Mesh,
         rules: &Rules,
+        shape: Shape,
         levels: u32,
     ) -> Result<Self, fairform::Error> {
+        let levels = levels.saturating_sub(u32::from(shape == Shape::Quadrilaterals));
         let start = Instant::now();
         let mut go_on = |_, _| ControlFlow::Continue(());
-        let fit = interpolate::fit_mesh(target, rules, &Options::default(), &mut go_on)?;
+        let fit = interpolate::fit_mesh(own, rules, &Options::default(), &mut go_on)?;
         let seconds = start.elapsed().as_secs_f64();
         let (fine, rules) =
             refine::refine_mesh(&fit.control, &fit.rules, levels.saturating_sub(fit.level))?;
@@ -112,6 +166,7 @@ impl Row {
         let error = fit.report.max;
         Ok(Self {
             name,
+            shape,
             positions,
             normals,
             faces,
@@ -126,6 +181,7 @@ impl Row {
     fn json(&self) -> Value {
         json!({
             "scheme": self.name,
+            "mesh": self.shape.name(),
             "error": self.error,
             "bending_energy": self.measures.bending,
             "curvature_variation": self.measures.relative_mean_variation(),
@@ -146,7 +202,7 @@ fn table(rows: &[Row]) -> String {
         let _ = writeln!(
             text,
             "{:<16} {:>9.1e} {:>10.4} {:>12.4e} {:>10.5} {:>10} {:>9.4}",
-            row.name,
+            format!("{}{}", row.name, mark(row.shape)),
             row.error,
             row.measures.bending,
             row.measures.relative_mean_variation(),
@@ -161,7 +217,25 @@ fn table(rows: &[Row]) -> String {
          diagonal; undulation: turning of\nthe surface over that of the mesh, about 1 if it does not wave; \
          seconds: of the fit\n",
     );
+    for shape in [Shape::Triangles, Shape::Quadrilaterals] {
+        if rows.iter().any(|row| row.shape == shape) {
+            let what = match shape {
+                Shape::Triangles => "of the mesh with its polygons cut into triangles",
+                _ => "of the mesh with its polygons cut once, flat, into quadrilaterals",
+            };
+            let _ =
+                writeln!(text, "{} {what}; measured against the mesh as given", mark(shape).trim());
+        }
+    }
     text
+}
+
+fn mark(shape: Shape) -> &'static str {
+    match shape {
+        Shape::AsGiven => "",
+        Shape::Triangles => " *",
+        Shape::Quadrilaterals => " **",
+    }
 }
 
 fn picture(target: &Mesh, rows: &[Row], args: &Compare) -> Result<Vec<u8>, Failure> {

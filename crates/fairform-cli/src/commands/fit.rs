@@ -13,7 +13,7 @@ use fairform_render::{Body, Colour, Dot, Line, Panel, Series, View};
 use serde_json::{Value, json};
 
 use crate::args::Fit;
-use crate::console::{Console, count};
+use crate::console::{Console, Progress, count};
 use crate::failure::Failure;
 use crate::input::{self, Source};
 use crate::rules;
@@ -43,7 +43,7 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
     let data = if given.is_some() { input::read(&source, console)? } else { sample()? };
     let mut target = Surface::new(data, &source)?;
     clock.lap("read");
-    target.rules = rules::build(&args.rules, &target, console)?;
+    rules::set(args.scheme.scheme, &args.rules, &mut target, console)?;
     check_memory(&target, args.levels, &source)?;
     target.warn_of_losses(args.levels, console);
     target.warn_of_no_faces(&source, console);
@@ -60,16 +60,8 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
         ControlFlow::Continue(())
     };
     let had_normals = target.normals.is_some();
-    let fit = fit(&target, &interpolator, &options, &mut observe).map_err(at)?;
-    let (level, report, singular) = (fit.level, fit.report.clone(), fit.singular.len());
-    let control = if level == 0 {
-        let mut control = target.clone();
-        control.mesh = fit.control;
-        control.fit_fields(&interpolator, &options).map_err(at)?;
-        control
-    } else {
-        target.pushed_back(fit, &interpolator, &options, &progress).map_err(at)?
-    };
+    let Fitted { control, level, report, singular } =
+        fitted(&target, &interpolator, &options, &mut observe, &progress).map_err(at)?;
     clock.lap("solve");
 
     let mut surface = control.refine(args.levels.saturating_sub(level), &progress).map_err(at)?;
@@ -82,9 +74,10 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
 
     progress.say("writing");
     if let Some(path) = &args.control {
-        input::write(path, &args.writing, &control.into_data(), console)?;
+        input::write(path, &args.writing, &control.into_control(), console)?;
     }
-    let data = surface.into_data();
+    let is_control = args.levels <= level && !args.limit && args.output.is_some();
+    let data = if is_control { surface.into_control() } else { surface.into_surface() };
     input::write(&output, &args.writing, &data, console)?;
     if args.output.is_none() {
         let picture = picture(&target.mesh, &data)?;
@@ -104,6 +97,38 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
     tell_of_level(args, level, singular, &report, console);
     console.result(&summary)?;
     Ok(if report.is_converged() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// A control surface, and how it was found.
+pub(crate) struct Fitted {
+    pub(crate) control: Surface,
+    /// How often it is refined from the connectivity of the target.
+    pub(crate) level: u32,
+    pub(crate) report: FitReport,
+    /// Number of parts without a control mesh of level 0.
+    singular: usize,
+}
+
+/// The control surface whose limit passes through the vertices of a target, with its colours and texture
+/// coordinates.
+pub(crate) fn fitted(
+    target: &Surface,
+    interpolator: &Interpolator<'_>,
+    options: &Options,
+    observer: &mut Observer<'_>,
+    progress: &Progress,
+) -> Result<Fitted, fairform::Error> {
+    let fit = fit(target, interpolator, options, observer)?;
+    let (level, report, singular) = (fit.level, fit.report.clone(), fit.singular.len());
+    let control = if level == 0 {
+        let mut control = target.clone();
+        control.mesh = fit.control;
+        control.fit_fields(interpolator, options)?;
+        control
+    } else {
+        target.pushed_back(fit, interpolator, options, progress)?
+    };
+    Ok(Fitted { control, level, report, singular })
 }
 
 /// Solves, and pushes back where that is asked for or nothing else interpolates.

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::process::ExitCode;
 
+use fairform::interpolate::{Interpolator, StageName};
 use fairform::repair::Soup;
-use fairform::{Bounds, Defect, Error, Faces, Mesh, Rules, Scheme, limit, pushback};
+use fairform::{Bounds, Defect, Error, Faces, Mesh, Scheme, pushback};
 use fairform_io::MeshData;
 use serde_json::{Value, json};
 
@@ -13,48 +14,160 @@ use crate::args::Info;
 use crate::console::{Console, count};
 use crate::failure::Failure;
 use crate::input::{self, Source};
+use crate::rules;
 use crate::steps::{self, Steps, coincident};
+use crate::surface::Surface;
 
 pub(crate) fn run(args: &Info, console: &Console) -> Result<ExitCode, Failure> {
     let source = Source::from(&args.input);
     let data = input::read(&source, console)?;
-    let suits = args.scheme.map(|scheme| (scheme, suits(scheme, &data)));
+    let judgement = match (args.scheme, args.rules.made()) {
+        (Some(scheme), _) => Some(Judgement::new(scheme, args, &data, &source)?),
+        (None, None) if !args.rules.tension.is_given() => None,
+        (None, option) => {
+            let option = option.unwrap_or("--lambda or --tension-where");
+            return Err(
+                Failure::usage(format!("{option} is for a scheme")).help("name it with --scheme")
+            );
+        }
+    };
     let facts = Facts::new(data);
     if console.json() {
         let mut json = facts.json(&source);
-        if let Some((scheme, words)) = &suits {
-            json["scheme"] = json!({
-                "name": scheme.name(),
-                "suits": words.is_ok(),
-                "note": words.as_ref().unwrap_or_else(|e| e),
-            });
+        if let Some(judgement) = &judgement {
+            json["scheme"] = judgement.json();
         }
         console.result(&json)?;
     } else {
         let mut text = facts.text(&source);
-        if let Some((scheme, Ok(words) | Err(words))) = &suits {
-            let _ = writeln!(text, "  {scheme}: {words}");
+        if let Some(judgement) = &judgement {
+            text += &judgement.text();
         }
         console.print(&text)?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// Whether a scheme can make a surface through the vertices of a mesh, in words.
-fn suits(scheme: Scheme, data: &MeshData) -> Result<String, String> {
-    let mesh = Mesh::new(data.positions.clone(), &data.faces).map_err(|e| e.to_string())?;
-    let rules = Rules::from(scheme);
-    limit::limit_stencils(mesh.topology(), &rules).map_err(|e| e.to_string())?;
-    let singular = pushback::singular_components(mesh.topology(), &rules).len();
-    if singular > 0 {
-        return Ok(format!(
-            "suits; {} of valence 3 everywhere {} fitted exactly at level 1",
-            count(singular) + if singular == 1 { " part" } else { " parts" },
-            if singular == 1 { "is" } else { "are" }
-        ));
+/// Whether a scheme with its options can make a surface through the vertices of a mesh, and what is known
+/// of it.
+struct Judgement {
+    scheme: Scheme,
+    suits: bool,
+    words: String,
+    /// Lower bounds of the spectrum of the limit operator, by stage.
+    stages: Vec<(StageName, usize, f64)>,
+    /// Parts without a control mesh of their level.
+    singular: usize,
+    lambda: Option<[f64; 2]>,
+    sharp_edges: usize,
+    sharp_vertices: usize,
+    /// Faces that are support only.
+    support: usize,
+    /// What the other commands would say.
+    notes: Vec<String>,
+}
+
+impl Judgement {
+    fn new(scheme: Scheme, args: &Info, data: &MeshData, source: &Source) -> Result<Self, Failure> {
+        let mut judgement = Self {
+            scheme,
+            suits: false,
+            words: String::new(),
+            stages: vec![],
+            singular: 0,
+            lambda: None,
+            sharp_edges: 0,
+            sharp_vertices: 0,
+            support: 0,
+            notes: vec![],
+        };
+        if let Err(error) = Mesh::new(data.positions.clone(), &data.faces) {
+            judgement.words = error.to_string();
+            return Ok(judgement);
+        }
+        let mut surface = Surface::new(data.clone(), source)?;
+        judgement.notes = rules::choose(scheme, &args.rules, &mut surface)?;
+        let (topology, rules) = (surface.mesh.topology(), &surface.rules);
+        match Interpolator::new(topology, rules) {
+            Ok(interpolator) => judgement.stages = interpolator.stages().collect(),
+            Err(error) => {
+                judgement.words = error.to_string();
+                return Ok(judgement);
+            }
+        }
+        judgement.suits = true;
+        judgement.singular = pushback::singular_components(topology, rules).len();
+        judgement.words = match judgement.singular {
+            0 if scheme.is_interpolating() => "suits, and keeps the vertices by itself".into(),
+            0 if pushback::is_not_definite(topology, rules) => {
+                "suits; fitted exactly at level 1, since with vertices of two faces no iteration \
+                 converges"
+                    .into()
+            }
+            0 => "suits".into(),
+            1 => "suits; 1 part of valence 3 everywhere is fitted exactly at level 1".into(),
+            n => format!(
+                "suits; {} parts of valence 3 everywhere are fitted exactly at level 1",
+                count(n)
+            ),
+        };
+        judgement.lambda = rules.tension.as_ref().map(|tension| {
+            let (low, high) = (f64::INFINITY, f64::NEG_INFINITY);
+            tension.iter().fold([low, high], |[low, high], &x| [low.min(x), high.max(x)])
+        });
+        if let Some(creases) = &rules.creases {
+            judgement.sharp_edges = topology.edges().filter(|&e| creases.edge(e) > 0.0).count();
+            judgement.sharp_vertices =
+                topology.vertices().filter(|&v| creases.vertex(v) > 0.0).count();
+        }
+        let shown = surface.shown.iter().flat_map(|shown| shown.iter());
+        judgement.support = shown.filter(|shown| !**shown).count();
+        Ok(judgement)
     }
-    let exact = if scheme.is_interpolating() { ", and keeps the vertices by itself" } else { "" };
-    Ok(format!("suits{exact}"))
+
+    fn json(&self) -> Value {
+        let stage = |&(name, vertices, bound): &(StageName, usize, f64)| json!({ "name": name.name(), "vertices": vertices, "smallest_eigenvalue": bound });
+        json!({
+            "name": self.scheme.name(),
+            "suits": self.suits,
+            "note": self.words,
+            "stages": self.stages.iter().map(stage).collect::<Vec<_>>(),
+            "singular_parts": self.singular,
+            "lambda": self.lambda,
+            "sharp_edges": self.sharp_edges,
+            "sharp_vertices": self.sharp_vertices,
+            "support_faces": self.support,
+            "notes": self.notes,
+        })
+    }
+
+    fn text(&self) -> String {
+        let mut text = format!("  {}: {}\n", self.scheme, self.words);
+        let mut row = |what: &str, value: String| {
+            let _ = writeln!(text, "    {what:<10}{value}");
+        };
+        for &(name, vertices, bound) in &self.stages {
+            let bound = match bound {
+                _ if bound > 0.0 => {
+                    format!("eigenvalues of the limit operator from {bound:.3} to 1")
+                }
+                0.0 => "eigenvalues of the limit operator from 0 to 1, no closer bound".into(),
+                _ => "no bound for the eigenvalues of the limit operator".into(),
+            };
+            row(name.name(), format!("{} vertices, {bound}", count(vertices)));
+        }
+        if let Some([low, high]) = self.lambda {
+            row("λ", format!("{} to {}", short(low), short(high)));
+        }
+        if self.sharp_edges + self.sharp_vertices > 0 {
+            let (edges, vertices) = (count(self.sharp_edges), count(self.sharp_vertices));
+            row("creases", format!("{edges} sharp edges, {vertices} sharp vertices"));
+        }
+        for note in &self.notes {
+            let _ = writeln!(text, "    {note}");
+        }
+        text
+    }
 }
 
 struct Facts {
@@ -104,9 +217,11 @@ impl Facts {
         }
         let attributes = [
             ("normals", data.normals.is_some()),
+            ("several normals of a vertex", data.corner_normals.is_some()),
             ("colours", data.colours.is_some()),
             ("texture coordinates", data.uvs.is_some()),
             ("texture coordinates with seams", data.corner_uvs.is_some()),
+            ("crease tags", data.creases.is_some()),
         ];
         Self {
             vertices: data.positions.len(),

@@ -21,7 +21,7 @@ pub(crate) fn run(args: &Limit, console: &Console) -> Result<ExitCode, Failure> 
     input::check_outputs(&[&args.output], console)?;
     let source = Source::from(&args.input);
     let mut surface = Surface::new(input::read(&source, console)?, &source)?;
-    surface.rules = rules::build(&args.rules, &surface, console)?;
+    rules::set(args.scheme.scheme, &args.rules, &mut surface, console)?;
     let vertices = surface.mesh.positions().len();
     let at = |e| surface.failure(&source, &e);
     if as_json {
@@ -34,7 +34,7 @@ pub(crate) fn run(args: &Limit, console: &Console) -> Result<ExitCode, Failure> 
     } else {
         let mut limit = surface.clone();
         limit.move_to_limit().map_err(at)?;
-        input::write(&args.output, &args.writing, &limit.into_data(), console)?;
+        input::write(&args.output, &args.writing, &limit.into_surface(), console)?;
     }
     console.detail(format!("{} limit points", count(vertices)));
     console.result(&json!({ "vertices": vertices }))?;

@@ -16,7 +16,7 @@ pub(crate) fn run(args: &Refine, console: &Console) -> Result<ExitCode, Failure>
     input::check_outputs(&[&args.output], console)?;
     let source = Source::from(&args.input);
     let mut surface = Surface::new(input::read(&source, console)?, &source)?;
-    surface.rules = rules::build(&args.rules, &surface, console)?;
+    rules::set(args.scheme.scheme, &args.rules, &mut surface, console)?;
     surface.warn_of_no_faces(&source, console);
     check_memory(&surface, args.levels, &source)?;
     let at = |e| surface.failure(&source, &e);
@@ -26,7 +26,8 @@ pub(crate) fn run(args: &Refine, console: &Console) -> Result<ExitCode, Failure>
         fine.move_to_limit().map_err(at)?;
     }
     progress.say("writing");
-    let data = fine.into_data();
+    let is_control = args.levels == 0 && !args.limit;
+    let data = if is_control { fine.into_control() } else { fine.into_surface() };
     input::write(&args.output, &args.writing, &data, console)?;
     drop(progress);
     let (vertices, faces) = (data.positions.len(), data.faces.len());

@@ -1,9 +1,11 @@
 //! `fairform render`.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::ExitCode;
 
-use fairform::{Rules, Scheme, fairness};
+use fairform::interpolate::{self, Interpolator};
+use fairform::{Scheme, fairness};
 use fairform_io::MeshData;
 use fairform_render::{
     Body, Colour, ColourMap, Dot, Line, Options, Panel, Part, Surface as SurfaceLook, Values, View,
@@ -11,6 +13,7 @@ use fairform_render::{
 use serde_json::json;
 
 use crate::args::{ColourChoice, Panels, Render};
+use crate::commands::fit::fitted;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::{self, Source};
@@ -36,19 +39,24 @@ pub(crate) fn run(args: &Render, console: &Console) -> Result<ExitCode, Failure>
     let mut meshes: Vec<MeshData> =
         sheets.iter_mut().map(|sheet| std::mem::take(&mut sheet.data)).collect();
     model::check(args, &sheets)?;
-    if let Some(scheme) = args.scheme {
-        if args.colour == Some(ColourChoice::Tension) {
-            return Err(Failure::usage(
-                "--colour tension is of the faces as given, not of a surface",
-            )
-            .help("leave out --scheme"));
-        }
-        for (data, sheet) in meshes.iter_mut().zip(&sheets) {
+    let mut tensions = vec![None; meshes.len()];
+    if let Some(scheme) = args.scheme.or(args.fit.then_some(Scheme::Loop)) {
+        let all = meshes.iter_mut().zip(&mut tensions).zip(&sheets);
+        for ((data, tension), sheet) in all {
             let source = Source { path: sheet.path, format: args.from };
-            *data = surface_of(args, scheme, std::mem::take(data), &source, console)?;
+            (*data, *tension) = surface_of(args, scheme, std::mem::take(data), &source, console)?;
+        }
+    } else if let Some(option) = args.rules.made().or(args.levels.map(|_| "--levels")) {
+        return Err(Failure::usage(format!("{option} is for a surface that is made here"))
+            .help("name the --scheme, or --fit"));
+    } else if args.colour == Some(ColourChoice::Tension) {
+        for ((data, tension), sheet) in meshes.iter().zip(&mut tensions).zip(&sheets) {
+            let surface =
+                Surface::new(data.clone(), &Source { path: sheet.path, format: args.from })?;
+            *tension = rules::tension(&args.rules.tension, &surface)?;
         }
     }
-    let values = values(args, &meshes, &sheets, console)?;
+    let values = values(args, &meshes, &sheets, tensions, console)?;
     let panels: Vec<Panel> = meshes
         .iter()
         .enumerate()
@@ -70,24 +78,43 @@ pub(crate) fn run(args: &Render, console: &Console) -> Result<ExitCode, Failure>
     Ok(ExitCode::SUCCESS)
 }
 
-/// The limit surface that a scheme makes of a control mesh.
+/// The limit surface that a scheme makes of a mesh, as its control mesh or fitted to it; and the shape
+/// parameters of its faces.
 fn surface_of(
     args: &Render,
     scheme: Scheme,
     data: MeshData,
     source: &Source,
     console: &Console,
-) -> Result<MeshData, Failure> {
+) -> Result<(MeshData, Option<Vec<f64>>), Failure> {
+    let levels = args.levels.unwrap_or(3);
     let mut surface = Surface::new(data, source)?;
-    surface.rules = Rules {
-        tension: rules::tension(&args.tension, &surface)?.map(Into::into),
-        ..scheme.into()
-    };
-    check_memory(&surface, args.levels, source)?;
+    rules::set(scheme, &args.rules, &mut surface, console)?;
+    check_memory(&surface, levels, source)?;
     let at = |e| surface.failure(source, &e);
-    let mut fine = surface.refine(args.levels, &console.progress()).map_err(at)?;
+    let progress = console.progress();
+    let mut fine = if args.fit {
+        let topology = surface.mesh.topology();
+        let interpolator = Interpolator::new(topology, &surface.rules).map_err(at)?;
+        let options =
+            interpolate::Options { exact: args.exact, fair: args.fair, ..Default::default() };
+        progress.say("fitting");
+        let mut go_on = |_, _| ControlFlow::Continue(());
+        let fitted =
+            fitted(&surface, &interpolator, &options, &mut go_on, &progress).map_err(at)?;
+        if !fitted.report.is_converged() {
+            let error = fitted.report.max;
+            console.note(format!(
+                "warning: {source}: not converged: the largest error is {error:.3e}"
+            ));
+        }
+        fitted.control.refine(levels.saturating_sub(fitted.level), &progress).map_err(at)?
+    } else {
+        surface.refine(levels, &progress).map_err(at)?
+    };
     fine.move_to_limit().map_err(at)?;
-    Ok(fine.into_data())
+    let tension = surface.rules.tension.as_deref().map(|tension| fine.inherited(tension));
+    Ok((fine.into_surface(), tension))
 }
 
 /// Only PNG is written.
@@ -113,6 +140,7 @@ fn values(
     args: &Render,
     meshes: &[MeshData],
     sheets: &[Sheet],
+    tensions: Vec<Option<Vec<f64>>>,
     console: &Console,
 ) -> Result<Vec<Option<Numbers>>, Failure> {
     let reference = match (&args.reference, args.colour) {
@@ -126,7 +154,7 @@ fn values(
         }
         _ => None,
     };
-    let one = |(data, sheet): (&MeshData, &Sheet)| {
+    let one = |((data, sheet), tension): ((&MeshData, &Sheet), Option<Vec<f64>>)| {
         let Some(choice) = args.colour else { return Ok(None) };
         let source = Source { path: sheet.path, format: args.from };
         let (of, per_face, map, legend) = match choice {
@@ -152,8 +180,7 @@ fn values(
                 (distances, false, ColourMap::Viridis, "distance to the mesh")
             }
             ColourChoice::Tension => {
-                let surface = Surface::new(data.clone(), &source)?;
-                let Some(tension) = rules::tension(&args.tension, &surface)? else {
+                let Some(tension) = tension else {
                     return Err(Failure::usage("--colour tension needs shape parameters")
                         .help("give them with --lambda or --tension-where"));
                 };
@@ -162,7 +189,7 @@ fn values(
         };
         Ok(Some(Numbers { of, per_face, map, legend }))
     };
-    meshes.iter().zip(sheets).map(one).collect()
+    meshes.iter().zip(sheets).zip(tensions).map(one).collect()
 }
 
 fn panel<'a>(
@@ -174,13 +201,14 @@ fn panel<'a>(
 ) -> Panel<'a> {
     let mut body = Body::new(&data.positions, &data.faces);
     body.normals = data.normals.as_deref();
+    body.corner_normals = data.corner_normals.as_deref();
     body.colours = data.colours.as_deref();
     let wants = |choice: &Option<Panels>| Panels::has(choice.as_ref(), i);
     body.style.smooth = !wants(&args.flat);
     body.style.wireframe = wants(&args.wireframe).then(Line::default);
     body.style.points = wants(&args.points).then(Dot::default);
     let red = Line { colour: Colour::RED, width: 5.0 };
-    body.style.boundary = wants(&args.boundary).then_some(red);
+    body.style.boundary = wants(&args.draw_boundary).then_some(red);
     body.values = numbers.map(|n| {
         let values = if n.per_face { Values::per_face(&n.of) } else { Values::per_vertex(&n.of) };
         Values { map: n.map, range: args.range, legend: Some(n.legend), ..values }

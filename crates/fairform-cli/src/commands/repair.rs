@@ -28,7 +28,16 @@ pub(crate) fn run(args: &Repair, console: &Console) -> Result<ExitCode, Failure>
     for line in &done {
         console.note(line);
     }
-    let repaired = follow(data, soup);
+    let keeps_numbers = soup.vertex_source.iter().copied().eq(0..data.positions.len() as u32);
+    let mut creases = data.creases.clone().filter(|_| keeps_numbers);
+    if let Some(creases) = &mut creases {
+        let keeps_faces = soup.face_source.iter().copied().eq(0..data.faces.len() as u32);
+        creases.holes.retain(|_| keeps_faces);
+    }
+    if creases != data.creases {
+        console.note("note: crease tags left out where vertices or faces have new numbers");
+    }
+    let repaired = MeshData { creases, ..follow(data, soup) };
     let sound = Mesh::new(repaired.positions.clone(), &repaired.faces);
     judge(&repaired, sound.as_ref(), console);
     input::write(&args.output, &args.writing, &repaired, console)?;
@@ -96,10 +105,12 @@ fn follow(data: MeshData, soup: Soup) -> MeshData {
         normals: gather(data.normals, &soup.vertex_source, &Vec3::ZERO),
         colours: gather(data.colours, &soup.vertex_source, &[1.0; 4]),
         uvs: gather(data.uvs, &soup.vertex_source, &[0.0; 2]),
+        corner_normals: gather(data.corner_normals, &soup.corner_source, &Vec3::ZERO),
         corner_uvs: gather(data.corner_uvs, &soup.corner_source, &[0.0; 2]),
         groups: labels(data.groups),
         materials: labels(data.materials),
         material_library: data.material_library,
+        creases: None,
         notes: Vec::new(),
         positions: soup.positions,
         faces: soup.faces,

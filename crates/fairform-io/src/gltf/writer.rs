@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::data::{MeshData, exact_bytes};
 use crate::error::Error;
-use crate::format::left_out;
+use crate::format::{NORMALS_PER_CORNER, left_out};
 use crate::stl::{rounding_note, triangle_notes};
 use crate::triangulate::Triangulator;
 
@@ -95,6 +95,8 @@ pub(crate) fn encode(
     }
     notes.extend(left_out(
         &[
+            (data.corner_normals.is_some(), NORMALS_PER_CORNER),
+            (data.creases.is_some(), "crease tags"),
             (data.corner_uvs.is_some(), "texture coordinates per corner"),
             (data.groups.is_some(), "groups"),
             (data.material_library.is_some(), "the material library"),

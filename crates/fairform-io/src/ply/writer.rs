@@ -4,7 +4,7 @@ use std::io::Write;
 
 use crate::data::{MeshData, WriteOptions, exact_bytes};
 use crate::error::Error;
-use crate::format::left_out;
+use crate::format::{NORMALS_PER_CORNER, left_out};
 use crate::text::NumberWriter;
 
 /// Writes numbers of the body: text, or binary in little-endian order.
@@ -120,6 +120,8 @@ pub(crate) fn encode(
     write_faces(data, short_lists, &mut rows)?;
     Ok(left_out(
         &[
+            (data.corner_normals.is_some(), NORMALS_PER_CORNER),
+            (data.creases.is_some(), "crease tags"),
             (data.groups.is_some(), "groups"),
             (data.materials.is_some(), "materials"),
             (data.material_library.is_some(), "the material library"),

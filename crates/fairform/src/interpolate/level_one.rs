@@ -7,7 +7,7 @@ use super::{FitReport, Interpolator, Method, Observer, Options, Solver};
 use crate::error::Error;
 use crate::fair::{self, Fairing};
 use crate::ids::VertexId;
-use crate::pushback::{PushBack, singular_components};
+use crate::pushback::{PushBack, is_not_definite, singular_components};
 use crate::solve::{Outcome, Stop};
 use crate::{Mesh, Rules, Vec3};
 
@@ -35,7 +35,7 @@ pub struct Fit {
 
 /// The control mesh whose limit surface passes through every vertex of `target`: by solving, if that
 /// is enough, otherwise by solving a little and then pushing back. That is where the limit operator is
-/// singular, and where a solve diverges or comes to rest before it is done (the observer then sees the
+/// known to be singular or not definite, and where a solve diverges or comes to rest before it is done (the observer then sees the
 /// stages begin anew).
 ///
 /// ```
@@ -65,7 +65,8 @@ pub fn fit_mesh(
     let topology = target.topology();
     let interpolator = Interpolator::new(topology, rules)?;
     let singular = singular_components(topology, rules);
-    if singular.is_empty() && !options.exact && options.fair.is_none() {
+    let is_hopeless = is_not_definite(topology, rules);
+    if !is_hopeless && !options.exact && options.fair.is_none() {
         match interpolator.fit(target.positions(), options, observer) {
             Ok((control, report)) if !is_stuck(&report) => {
                 let control = target.with_positions(control);
@@ -101,7 +102,7 @@ impl Interpolator<'_> {
     /// The solve before the push-back makes six updates of Chebyshev's recurrence, after which nobody
     /// sees a difference; or exactly [`Options::iterations`] if there is no tolerance. With a method
     /// other than [`Method::Auto`] it runs as [`fit`](Self::fit) does, except where the limit operator
-    /// is singular, since it would not end, or if it diverges.
+    /// is known to be singular or not definite, since it would not end, or if it diverges.
     ///
     /// # Errors
     /// As [`fit`](Self::fit).
@@ -116,7 +117,7 @@ impl Interpolator<'_> {
         observer: &mut Observer<'_>,
     ) -> Result<(Vec<Vec3>, FitReport), Error> {
         let scaled = self.scaled(target, options)?;
-        let is_singular = !singular_components(self.topology, self.rules).is_empty();
+        let is_hopeless = is_not_definite(self.topology, self.rules);
         let few = Stop {
             tolerance: None,
             max_updates: match options.tolerance {
@@ -125,7 +126,7 @@ impl Interpolator<'_> {
             },
             ..scaled.stop
         };
-        let is_usual = options.method == Method::Auto || is_singular;
+        let is_usual = options.method == Method::Auto || is_hopeless;
         let solved = if is_usual {
             self.solve(&scaled, Solver::Usual, few, observer)
         } else {

@@ -15,7 +15,7 @@ use crate::scheme::loop_scheme::{
     inward_tangent_centre_weight, inward_tangent_weight, tangent_weights,
 };
 use crate::scheme::{Rules, Scheme, catmull_clark};
-use crate::{Topology, Vec3};
+use crate::{Topology, Vec3, par};
 
 /// The unit normals of the limit surface at the limit points of all vertices, outwards for
 /// counter-clockwise faces; zero at isolated vertices and where the tangents are parallel.
@@ -52,6 +52,49 @@ pub fn limit_normals(
         });
         normal.normalized()
     });
+    Ok(normals)
+}
+
+/// The normals of [`limit_normals`] per half-edge, at the vertex where it begins: those of one side where
+/// creases part the surface, so that what is sharp can be shown as sharp.
+///
+/// # Errors
+/// As [`limit_normals`].
+///
+/// # Panics
+/// If there is not one point per vertex.
+pub fn limit_corner_normals(
+    topology: &Topology,
+    points: &[Vec3],
+    rules: &Rules,
+) -> Result<Vec<Vec3>, Error> {
+    let mean = limit_normals(topology, points, rules)?;
+    let mut normals = par::collect(topology.halfedge_count(), |h| {
+        mean[topology.origin(HalfedgeId(h as u32)).index()]
+    });
+    if rules.creases.is_none() {
+        return Ok(normals);
+    }
+    let tangents = Tangents::new(topology, points, rules)?;
+    let sides = par::blocks(points.len(), |range| {
+        let (mut sides, mut around) = (Vec::new(), Vec::new());
+        for v in range.map(|v| VertexId(v as u32)) {
+            if tangents.sharp.edges(v).all(|e| tangents.sharp.edge(e.0) == 0.0) {
+                continue;
+            }
+            around.clear();
+            around.extend(topology.ring(v).map(|q| q.0));
+            let fan: Vec<HalfedgeId> = topology.fan(v).collect();
+            tangents.at(v, &around, |(first, count), [along, across]| {
+                let normal = along.normalized().cross(across.normalized()).normalized();
+                sides.extend((first..first + count).map(|i| (fan[i % fan.len()], normal)));
+            });
+        }
+        sides
+    });
+    for (h, normal) in sides.into_iter().flatten().filter(|side| side.1 != Vec3::ZERO) {
+        normals[h.index()] = normal;
+    }
     Ok(normals)
 }
 

@@ -27,7 +27,7 @@ pub fn conjugate_gradients<A: LinearOperator>(
 ) -> Result<Report, Error> {
     let n = operator.unknown_count();
     assert_eq!(target.len(), n, "one target per unknown");
-    let mut progress = Progress::new(stop, observer);
+    let mut progress = Progress::new(stop, operator.smallest_eigenvalue_bound(), observer);
     let mut error = alloc::vec![Vec3::ZERO; n];
     let mut image = alloc::vec![Vec3::ZERO; n];
     // The direction has no part in the known values.

@@ -49,7 +49,7 @@ pub(crate) fn direct<A: Entries>(
 ) -> Result<Report, Error> {
     let n = operator.unknown_count();
     assert_eq!(target.len(), n, "one target per unknown");
-    let mut progress = Progress::new(stop, observer);
+    let mut progress = Progress::new(stop, operator.smallest_eigenvalue_bound(), observer);
     let mut error = alloc::vec![Vec3::ZERO; n];
     let matrix = Matrix::of(operator);
     let symbolic = matrix.analyse()?;

@@ -141,7 +141,7 @@ pub fn stationary<A: LinearOperator>(
 ) -> Result<Report, Error> {
     let n = operator.unknown_count();
     assert_eq!(target.len(), n, "one target per unknown");
-    let mut progress = Progress::new(stop, observer);
+    let mut progress = Progress::new(stop, operator.smallest_eigenvalue_bound(), observer);
     let mut update = alloc::vec![Vec3::ZERO; n];
     let mut next = x.clone();
     let mut updates = 0;

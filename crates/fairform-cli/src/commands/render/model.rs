@@ -64,8 +64,11 @@ pub(crate) fn check(args: &Render, sheets: &[Sheet]) -> Result<(), Failure> {
         let what = format!("{option} is for models, and {} is none", mesh.path.display());
         return Err(Failure::usage(what).help(format!("models end in {EXTENSION}")));
     }
-    if args.scheme.is_some() && sheets.iter().any(|sheet| sheet.is_model) {
-        return Err(Failure::usage("a model says its own scheme").help("leave out --scheme"));
+    let of_meshes = [("--scheme", args.scheme.is_some()), ("--fit", args.fit)];
+    let option = of_meshes.into_iter().find(|(_, given)| *given);
+    if let Some((option, _)) = option.filter(|_| sheets.iter().any(|sheet| sheet.is_model)) {
+        return Err(Failure::usage(format!("{option} is for meshes; a model says its own scheme"))
+            .help(format!("leave out {option}")));
     }
     if model.sphere.is_some() && args.colour.is_some() {
         let what = "--colour is for surfaces, and --sphere shows none";
