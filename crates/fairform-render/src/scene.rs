@@ -305,23 +305,28 @@ pub(crate) fn check(panel: &Panel, index: usize) -> Result<(), RenderError> {
                 vertex: VertexId(v as u32),
             });
         }
-        for (arrow, a) in body.arrows.iter().enumerate() {
-            if !(a.at.is_finite() && a.direction.is_finite()) {
-                return Err(RenderError::Arrow { panel: index, body: b, arrow });
-            }
-            match a.length {
-                Extent::Picture(length) => check_size("the length of an arrow", length)?,
-                Extent::Space(length) if (0.0..=1e300).contains(&length) => {}
-                Extent::Space(value) => {
-                    let (what, range) = ("the length of an arrow", "from 0 to 1e300");
-                    return Err(RenderError::Style { what, value, range });
-                }
-            }
-        }
+        check_arrows(body.arrows, index, b)?;
         check_style(&body.style)?;
         if let Some(values) = &body.values {
             values.check()?;
             check_size("the width of the isolines", values.isolines.map_or(1.0, |l| l.width))?;
+        }
+    }
+    Ok(())
+}
+
+fn check_arrows(arrows: &[Arrow], panel: usize, body: usize) -> Result<(), RenderError> {
+    for (arrow, a) in arrows.iter().enumerate() {
+        if !(a.at.is_finite() && a.direction.is_finite()) {
+            return Err(RenderError::Arrow { panel, body, arrow });
+        }
+        match a.length {
+            Extent::Picture(length) => check_size("the length of an arrow", length)?,
+            Extent::Space(length) if (0.0..=1e300).contains(&length) => {}
+            Extent::Space(value) => {
+                let (what, range) = ("the length of an arrow", "from 0 to 1e300");
+                return Err(RenderError::Style { what, value, range });
+            }
         }
     }
     Ok(())
