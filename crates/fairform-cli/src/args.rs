@@ -9,7 +9,7 @@ use fairform::interpolate::{Method, Norm};
 use fairform::sphere::Ends;
 use fairform::streamline::{Integration, MAX_DEPTH, Order};
 use fairform_io::Format;
-use fairform_render::{Range, View};
+use fairform_render::{Range, Show, View};
 
 /// The heading of the options that every command has.
 const GENERAL: &str = "General options";
@@ -264,7 +264,7 @@ pub(crate) struct Repair {
     pub(crate) all: bool,
 }
 
-/// Draw meshes side by side, without a window.
+/// Draw meshes and streamline models side by side, without a window.
 #[expect(clippy::struct_excessive_bools, reason = "one switch per option")]
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  \
@@ -274,9 +274,11 @@ pub(crate) struct Repair {
     fairform render cage.obj surface.ply -o pair.png --flat=1 --wireframe=1\n  \
     fairform render surface.ply -o curvature.png --colour curvature\n  \
     fairform render cage.obj -o limit.png --scheme catmull-clark\n  \
-    fairform render bunny.obj -o fitted.png --fit --draw-boundary")]
+    fairform render bunny.obj -o fitted.png --fit --draw-boundary\n  \
+    fairform render car.streamline.json -o depths.png --view iso,z --depth 0,1,2,3\n  \
+    fairform render car.streamline.json -o sphere.png --view iso,z --sphere")]
 pub(crate) struct Render {
-    /// Meshes to draw, one panel each.
+    /// Meshes or streamline models to draw, one panel each.
     #[arg(required = true, value_name = "IN")]
     pub(crate) inputs: Vec<PathBuf>,
     /// Format of the input files, if their names do not say.
@@ -345,6 +347,35 @@ pub(crate) struct Render {
     /// Fit the camera to each panel alone, not to all of them.
     #[arg(long)]
     pub(crate) separate: bool,
+    #[command(flatten)]
+    pub(crate) model: ModelOptions,
+}
+
+/// What to draw of models (`*.streamline.json`).
+#[derive(clap::Args, Debug)]
+#[command(next_help_heading = "Streamline models (*.streamline.json)")]
+pub(crate) struct ModelOptions {
+    /// Refine so many times, whatever the file says; several, as in 0,1,2,3, have a panel each.
+    #[arg(long, value_name = "N,…", value_delimiter = ',')]
+    pub(crate) depth: Vec<u32>,
+    /// What to draw, of surface, streamlines, across (lines across these), arrows (control tangents),
+    /// refined (tangents), initial (curve), start (points on it), combs (of curvature)
+    /// [default: surface,streamlines,arrows,initial].
+    #[arg(long, value_name = "WHAT,…", value_delimiter = ',', conflicts_with = "sphere")]
+    pub(crate) show: Vec<Show>,
+    /// Draw the tangents on the Gaussian sphere instead: those of all streamlines, of some, as in
+    /// =0,2, or across them (=columns).
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "rows", value_name = "ROWS", value_parser = sphere)]
+    pub(crate) sphere: Option<Sphere>,
+}
+
+/// Which tangents to draw on the Gaussian sphere.
+#[derive(Clone, Debug)]
+pub(crate) enum Sphere {
+    Rows,
+    Columns,
+    /// Counted from 0, as in the file.
+    Some(Vec<usize>),
 }
 
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
@@ -700,6 +731,18 @@ fn panels(text: &str) -> Result<Panels, String> {
     let panel = |one: &str| one.trim().parse().ok().filter(|&n: &usize| n > 0);
     let panels = text.split(',').map(panel).collect::<Option<_>>();
     panels.map(Panels::Some).ok_or_else(|| "expected panel numbers from 1, as in 1,3".into())
+}
+
+fn sphere(text: &str) -> Result<Sphere, String> {
+    match text {
+        "rows" => Ok(Sphere::Rows),
+        "columns" => Ok(Sphere::Columns),
+        _ => {
+            let rows = text.split(',').map(|one| one.trim().parse().ok()).collect::<Option<_>>();
+            rows.map(Sphere::Some)
+                .ok_or_else(|| "expected rows, columns or numbers, as in 0,2".into())
+        }
+    }
 }
 
 fn size(text: &str) -> Result<(u32, u32), String> {

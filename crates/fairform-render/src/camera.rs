@@ -76,6 +76,11 @@ impl Camera {
         normal_position(p, self.centre, self.scale)
     }
 
+    /// A length of the input in camera space.
+    pub(crate) fn length(&self, length: f64) -> f64 {
+        length / self.scale
+    }
+
     /// Camera space from the normal position.
     pub(crate) fn place(&self, p: Vec3) -> Vec3 {
         let [x, y, z] = turned(&self.axes, p);

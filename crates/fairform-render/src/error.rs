@@ -131,6 +131,16 @@ pub enum RenderError {
         /// Number of vertices of the body.
         vertex_count: usize,
     },
+    /// An arrow begins at, or points to, what is not finite.
+    #[error("panel {panel}, body {body}: arrow {arrow} has a coordinate that is not finite")]
+    Arrow {
+        /// Panel.
+        panel: usize,
+        /// Body in the panel.
+        body: usize,
+        /// Arrow of the body.
+        arrow: usize,
+    },
     /// A panel holds more vertices or corners than can be numbered.
     #[error("panel {panel} holds more than 2^30 vertices and corners")]
     TooLarge {

@@ -1,5 +1,6 @@
 //! [`Layout`]: where the panels, their titles and the colour bars are.
 
+use crate::arrow::Extent;
 use crate::camera::Camera;
 use crate::legend;
 use crate::scene::{self, Panel};
@@ -136,7 +137,12 @@ impl Layout {
         let shorter = self.width.min(self.height) as f64;
         let dots = panels.iter().flat_map(|p| &p.bodies).filter_map(|b| b.style.points);
         let dot = dots.map(|d| d.radius).fold(0.0, f64::max);
-        let margin = shorter * (0.06 + dot / 1000.0);
+        let arrows = panels.iter().flat_map(|p| &p.bodies).flat_map(|b| b.arrows);
+        let arrow = arrows.fold(0.0, |most, a| match a.length {
+            Extent::Picture(length) => length.max(most),
+            Extent::Space(_) => most,
+        });
+        let margin = shorter * (0.06 + dot / 1000.0).max(0.01 + arrow / 1000.0);
         let size = [self.width as f64, self.height as f64];
         Camera::fit(panels.iter().flat_map(scene::seen), view, size, margin)
     }

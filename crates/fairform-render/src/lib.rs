@@ -12,13 +12,16 @@
 //! # Ok::<(), fairform_render::RenderError>(())
 //! ```
 //!
-//! A surface is coloured by numbers with [`Values`], and shown as a mirror with [`Surface`].
+//! A surface is coloured by numbers with [`Values`], and shown as a mirror with [`Surface`]. Streamline
+//! models are seen with [`ModelView`], their directions on the Gaussian sphere with [`SphereView`]; both
+//! make [`Part`]s, bodies that own what they are made of.
 //!
 //! [`render`] is one straight line: the bodies of a panel become triangles, strokes and dots in
 //! camera space (`scene`), lamps all around see how far their light gets (`light`), tiles of the
 //! picture find what is nearest at sixteen places of every pixel (`raster`) and colour it (`shade`).
 //! The same input gives the same bytes on any number of threads.
 
+mod arrow;
 mod camera;
 mod canvas;
 mod colour;
@@ -27,8 +30,10 @@ mod error;
 mod layout;
 mod legend;
 mod light;
+mod model_view;
 mod paint;
 mod par;
+mod part;
 mod picture;
 mod plot;
 mod polygon;
@@ -36,19 +41,24 @@ mod raster;
 mod render;
 mod scene;
 mod shade;
+mod sphere_view;
 mod surface;
 mod text;
 mod ticks;
 mod values;
 mod view;
 
+pub use arrow::{Arrow, Extent, Head, ParseHeadError};
 pub use colour::{Colour, ParseColourError};
 pub use colour_map::{ColourMap, ParseColourMapError};
 pub use error::RenderError;
+pub use model_view::{ModelView, ParseShowError, Show};
+pub use part::Part;
 pub use picture::Picture;
 pub use plot::{Series, plot_svg};
 pub use render::{MAX_PIXELS, MAX_SIDE, Options, render};
 pub use scene::{Body, Dot, Line, Panel, Style};
+pub use sphere_view::{Directions, SphereView};
 pub use surface::{ParseSurfaceError, Surface};
 pub use values::{ParseRangeError, Per, Range, Values};
 pub use view::{Axis, ParseViewError, View};

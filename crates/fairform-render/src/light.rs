@@ -142,7 +142,9 @@ fn lamps(up: Vec3f) -> Vec<Lamp> {
 fn casters(scene: &Scene) -> Vec<[u32; 3]> {
     let opaque = |t: &&crate::scene::Triangle| {
         let material = &scene.materials[t.body as usize];
-        if material.has_colours {
+        if !material.casts {
+            false
+        } else if material.has_colours {
             t.corners.iter().all(|&c| scene.colours[c as usize][3] > 0.99)
         } else {
             material.front[3] > 0.99

@@ -115,9 +115,46 @@ pub(crate) struct Tile {
     /// all triangles.
     pub(crate) near: Vec<[f32; SAMPLES]>,
     pub(crate) id: Vec<[u32; SAMPLES]>,
-    /// Per sample: the stroke drawn there; empty if there is no stroke at all.
-    pub(crate) stroke: Vec<[u32; SAMPLES]>,
-    stroke_near: Vec<[f32; SAMPLES]>,
+    /// Per sample: the ink drawn there; empty if there is none at all.
+    pub(crate) stroke: Vec<[Inks; SAMPLES]>,
+}
+
+/// Ink of a stroke, or of what shows through, see [`Scene::ink`].
+#[derive(Clone, Copy)]
+pub(crate) struct Ink {
+    pub(crate) id: u32,
+    /// One over the depth.
+    near: f32,
+}
+
+/// What is seen of all ink at a sample: the nearest, and the next that looks otherwise, which is seen
+/// if the first lets it through. The same ink twice, as where two strokes of a line meet, counts once.
+#[derive(Clone, Copy)]
+pub(crate) struct Inks {
+    pub(crate) top: Ink,
+    pub(crate) below: Ink,
+}
+
+impl Inks {
+    const NONE: Self = {
+        let none = Ink { id: NONE, near: 0.0 };
+        Self { top: none, below: none }
+    };
+
+    /// Adds ink that counts as being at `1 / raised`, before that of the same depth.
+    fn add(&mut self, ink: Ink, raised: f32, scene: &Scene) {
+        let [new, old] = [ink.id, self.top.id].map(|id| scene.is_ghost(id));
+        let same = old == new && scene.ink(ink.id) == scene.ink(self.top.id);
+        let wins = if new == old { raised >= self.top.near } else { old };
+        if wins {
+            if !same && self.top.id != NONE {
+                self.below = self.top;
+            }
+            self.top = ink;
+        } else if !same && raised >= self.below.near {
+            self.below = ink;
+        }
+    }
 }
 
 /// Bounds in pixels of the parts of a scene.
@@ -177,7 +214,8 @@ impl Tile {
     ) -> Self {
         let (width, height) = (right - left, bottom - top);
         let count = width * height;
-        let strokes = if parts.strokes.is_empty() { 0 } else { count };
+        let has_ghosts = parts.balls.iter().any(|&b| scene.balls[b as usize].through > 0.0);
+        let strokes = if parts.strokes.is_empty() && !has_ghosts { 0 } else { count };
         let mut tile = Self {
             left,
             top,
@@ -185,13 +223,17 @@ impl Tile {
             height,
             near: vec![[0.0; SAMPLES]; count],
             id: vec![[NONE; SAMPLES]; count],
-            stroke: vec![[NONE; SAMPLES]; strokes],
-            stroke_near: vec![[0.0; SAMPLES]; strokes],
+            stroke: vec![[Inks::NONE; SAMPLES]; strokes],
         };
         tile.draw_triangles(scene, &parts.triangles);
         for &b in &parts.balls {
             let id = scene.triangles.len() as u32 + b;
             tile.draw_ball(&scene.balls[b as usize], scene, id, focal as f32);
+        }
+        if has_ghosts {
+            for &b in &parts.balls {
+                tile.draw_ghost(&scene.balls[b as usize], scene, b, focal as f32);
+            }
         }
         for &s in &parts.strokes {
             tile.draw_stroke(&scene.strokes[s as usize], s, scene, focal as f32);
@@ -295,6 +337,42 @@ impl Tile {
     }
 
     fn draw_ball(&mut self, ball: &Ball, scene: &Scene, id: u32, focal: f32) {
+        self.cover(ball, scene, focal, |tile, at, k, z| {
+            if z > tile.near[at][k] {
+                tile.near[at][k] = z;
+                tile.id[at][k] = id;
+            }
+        });
+    }
+
+    /// What shows of a ball through the surfaces that hide it.
+    fn draw_ghost(&mut self, ball: &Ball, scene: &Scene, number: u32, focal: f32) {
+        if ball.through <= 0.0 {
+            return;
+        }
+        let id = scene.ghost_of_ball(number);
+        self.cover(ball, scene, focal, |tile, at, k, z| {
+            if z < tile.near[at][k] {
+                tile.ghost(scene, at, k, z, id);
+            }
+        });
+    }
+
+    /// Ink of what is hidden, which only triangles let through.
+    fn ghost(&mut self, scene: &Scene, at: usize, sample: usize, near: f32, id: u32) {
+        if (self.id[at][sample] as usize) < scene.triangles.len() {
+            self.stroke[at][sample].add(Ink { id, near }, near, scene);
+        }
+    }
+
+    /// Calls `draw` with pixel, sample and one over the depth where a ball is seen if nothing hides it.
+    fn cover(
+        &mut self,
+        ball: &Ball,
+        scene: &Scene,
+        focal: f32,
+        mut draw: impl FnMut(&mut Self, usize, usize, f32),
+    ) {
         let [x, y, near] = scene.screen[ball.point as usize];
         let r = f64::from(ball.radius);
         // In camera space; the radius in pixels is the same at any depth.
@@ -312,10 +390,7 @@ impl Tile {
                         continue;
                     }
                     let z = 1.0 / (depth - bulge * rest.sqrt()).max(0.5 * depth);
-                    if z > self.near[at][k] {
-                        self.near[at][k] = z;
-                        self.id[at][k] = id;
-                    }
+                    draw(self, at, k, z);
                 }
             }
         }
@@ -399,12 +474,10 @@ impl Tile {
                                 .any(|k| !self.hides(at, k, stroke, near, scene, &mut slope))
                         });
                     }
-                    if core.1
-                        && raised >= self.stroke_near[at][k]
-                        && !self.hides(at, k, stroke, near, scene, &mut slope)
-                    {
-                        self.stroke_near[at][k] = near;
-                        self.stroke[at][k] = id;
+                    if core.1 && !self.hides(at, k, stroke, near, scene, &mut slope) {
+                        self.stroke[at][k].add(Ink { id, near }, raised, scene);
+                    } else if stroke.through > 0.0 {
+                        self.ghost(scene, at, k, near, scene.ghost_of_stroke(id));
                     }
                 }
             }

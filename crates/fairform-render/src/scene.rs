@@ -2,6 +2,7 @@
 
 use fairform::{FaceId, Faces, Vec3, VertexId};
 
+use crate::arrow::{self, Arrow, Extent};
 use crate::camera::Camera;
 use crate::light::dot;
 use crate::paint::Paint;
@@ -42,6 +43,8 @@ pub struct Body<'a> {
     pub values: Option<Values<'a>>,
     /// Strokes between pairs of vertices, edges or not, on top of all other edges: creases, say.
     pub strokes: &'a [([u32; 2], Line)],
+    /// Directions at places.
+    pub arrows: &'a [Arrow],
     /// How it looks.
     pub style: Style,
 }
@@ -58,6 +61,7 @@ impl<'a> Body<'a> {
             colours: None,
             values: None,
             strokes: &[],
+            arrows: &[],
             style: Style::default(),
         }
     }
@@ -82,6 +86,10 @@ pub struct Style {
     pub boundary: Option<Line>,
     /// Draws the vertices.
     pub points: Option<Dot>,
+    /// How much of the colours of surface and points shows whatever the light, from 0 to 1 (flat).
+    pub glow: f64,
+    /// How much of lines and points shows through the surfaces that hide them, from 0 (nothing) to 1.
+    pub through: f64,
 }
 
 impl Default for Style {
@@ -95,6 +103,8 @@ impl Default for Style {
             wireframe: None,
             boundary: None,
             points: None,
+            glow: 0.0,
+            through: 0.0,
         }
     }
 }
@@ -156,6 +166,8 @@ pub(crate) struct Scene {
     pub(crate) materials: Vec<Material>,
     pub(crate) strokes: Vec<Stroke>,
     pub(crate) balls: Vec<Ball>,
+    /// Ranges of points and how much nearer, as a factor, they are drawn than they are.
+    raised: Vec<(std::ops::Range<usize>, f64)>,
 }
 
 pub(crate) struct Triangle {
@@ -169,6 +181,10 @@ pub(crate) struct Material {
     pub(crate) back: Vec3f,
     pub(crate) smooth: bool,
     pub(crate) gloss: f32,
+    /// How much of the colour shows whatever the light.
+    pub(crate) glow: f32,
+    /// Whether it stops light.
+    pub(crate) casts: bool,
     pub(crate) has_colours: bool,
     pub(crate) paint: Option<Paint>,
     pub(crate) finish: Finish,
@@ -181,6 +197,8 @@ pub(crate) struct Stroke {
     /// Half the width in pixels.
     pub(crate) reach: f32,
     pub(crate) colour: [f32; 4],
+    /// How much of it shows where it is hidden.
+    pub(crate) through: f32,
 }
 
 pub(crate) struct Ball {
@@ -188,7 +206,13 @@ pub(crate) struct Ball {
     /// Radius in pixels.
     pub(crate) radius: f32,
     pub(crate) colour: Vec3f,
+    pub(crate) glow: f32,
+    /// How much of it shows where it is hidden.
+    pub(crate) through: f32,
 }
+
+/// How much nearer arrows are drawn than they are, in their lengths.
+const RAISED: f64 = 0.3;
 
 /// Points and corners that a panel may have.
 const LIMIT: usize = 1 << 30;
@@ -233,7 +257,8 @@ pub(crate) fn check(panel: &Panel, index: usize) -> Result<(), RenderError> {
             .saturating_add(vertex_count)
             .saturating_add(body.faces.corners().len())
             .saturating_add(body.faces.len())
-            .saturating_add(body.strokes.len());
+            .saturating_add(body.strokes.len())
+            .saturating_add(body.arrows.len().saturating_mul(arrow::MOST_POINTS));
         if size > LIMIT {
             return Err(RenderError::TooLarge { panel: index });
         }
@@ -280,10 +305,28 @@ pub(crate) fn check(panel: &Panel, index: usize) -> Result<(), RenderError> {
                 vertex: VertexId(v as u32),
             });
         }
+        check_arrows(body.arrows, index, b)?;
         check_style(&body.style)?;
         if let Some(values) = &body.values {
             values.check()?;
             check_size("the width of the isolines", values.isolines.map_or(1.0, |l| l.width))?;
+        }
+    }
+    Ok(())
+}
+
+fn check_arrows(arrows: &[Arrow], panel: usize, body: usize) -> Result<(), RenderError> {
+    for (arrow, a) in arrows.iter().enumerate() {
+        if !(a.at.is_finite() && a.direction.is_finite()) {
+            return Err(RenderError::Arrow { panel, body, arrow });
+        }
+        match a.length {
+            Extent::Picture(length) => check_size("the length of an arrow", length)?,
+            Extent::Space(length) if (0.0..=1e300).contains(&length) => {}
+            Extent::Space(value) => {
+                let (what, range) = ("the length of an arrow", "from 0 to 1e300");
+                return Err(RenderError::Style { what, value, range });
+            }
         }
     }
     Ok(())
@@ -299,8 +342,12 @@ fn check_style(style: &Style) -> Result<(), RenderError> {
         check_size(what, value)?;
     }
     style.surface.check()?;
-    if !(0.0..=1.0).contains(&style.gloss) {
-        return Err(RenderError::Style { what: "gloss", value: style.gloss, range: "from 0 to 1" });
+    let shares =
+        [("gloss", style.gloss), ("glow", style.glow), ("what shows through", style.through)];
+    for (what, value) in shares {
+        if !(0.0..=1.0).contains(&value) {
+            return Err(RenderError::Style { what, value, range: "from 0 to 1" });
+        }
     }
     Ok(())
 }
@@ -312,15 +359,55 @@ fn check_size(what: &'static str, value: f64) -> Result<(), RenderError> {
     Err(RenderError::Style { what, value, range: "from 0 to 200" })
 }
 
-/// The positions that the camera shall see: those of faces and strokes, and all where the points are drawn.
+/// The positions that the camera shall see: those of faces, strokes and arrows, and all where the
+/// points are drawn.
 pub(crate) fn seen<'a>(panel: &'a Panel) -> impl Iterator<Item = Vec3> + Clone + 'a {
     panel.bodies.iter().flat_map(|body| {
         let all: &[Vec3] = if body.style.points.is_some() { body.positions } else { &[] };
         let corners: &[u32] = if all.is_empty() { body.faces.corners() } else { &[] };
         let ends = body.strokes.iter().flat_map(|(ends, _)| ends);
         let used = corners.iter().chain(ends).map(|&v| body.positions[v as usize]);
-        all.iter().copied().chain(used)
+        let arrows = body.arrows.iter().flat_map(|arrow| {
+            let tip = match arrow.length {
+                Extent::Space(length) => arrow.at + length * arrow.direction.normalized(),
+                Extent::Picture(_) => arrow.at,
+            };
+            [arrow.at, if tip.is_finite() { tip } else { arrow.at }]
+        });
+        all.iter().copied().chain(used).chain(arrows)
     })
+}
+
+/// Ink is numbered: strokes, then strokes and then balls that show through what hides them.
+impl Scene {
+    pub(crate) fn ghost_of_stroke(&self, stroke: u32) -> u32 {
+        self.strokes.len() as u32 + stroke
+    }
+
+    pub(crate) fn ghost_of_ball(&self, ball: u32) -> u32 {
+        2 * self.strokes.len() as u32 + ball
+    }
+
+    /// Whether a number of ink, or of no ink, is none of a stroke that is seen.
+    pub(crate) fn is_ghost(&self, ink: u32) -> bool {
+        ink as usize >= self.strokes.len()
+    }
+
+    /// Colour and opacity of ink.
+    pub(crate) fn ink(&self, number: u32) -> Option<[f32; 4]> {
+        let (number, count) = (number as usize, self.strokes.len());
+        if number < count {
+            return Some(self.strokes[number].colour);
+        }
+        if number < 2 * count {
+            let stroke = &self.strokes[number - count];
+            let [r, g, b, a] = stroke.colour;
+            return Some([r, g, b, a * stroke.through]);
+        }
+        let ball = self.balls.get(number - 2 * count)?;
+        let [r, g, b] = ball.colour;
+        Some([r, g, b, ball.through])
+    }
 }
 
 impl Scene {
@@ -345,6 +432,7 @@ impl Scene {
             materials: Vec::new(),
             strokes: Vec::new(),
             balls: Vec::new(),
+            raised: Vec::new(),
         };
         let has_values =
             |per: Per| panel.bodies.iter().any(|b| b.values.is_some_and(|v| v.per == per));
@@ -362,6 +450,8 @@ impl Scene {
                     back: [r, g, b],
                     smooth: body.style.smooth,
                     gloss: body.style.gloss as f32,
+                    glow: body.style.glow as f32,
+                    casts: true,
                     has_colours: body.colours.is_some() && shown.is_none(),
                     paint: shown.map(|(values, gauge)| Paint::new(&values, gauge, unit)),
                     finish: Finish::new(body.style.surface, camera, up),
@@ -370,6 +460,9 @@ impl Scene {
             scene.add(body, *gauge, material, camera, unit, &wants);
         }
         scene.screen = scene.points.iter().map(|&p| camera.screen(p)).collect();
+        for (points, factor) in std::mem::take(&mut scene.raised) {
+            scene.screen[points].iter_mut().for_each(|[_, _, near]| *near *= factor);
+        }
         scene
     }
 
@@ -421,9 +514,68 @@ impl Scene {
                 let own = own_colour(body, v).filter(|_| style.fill.is_none());
                 let [r, g, b, _] = own.unwrap_or(dot.colour.linear());
                 let radius = (dot.radius * unit) as f32;
-                Ball { point: first_point + v as u32, radius, colour: [r, g, b] }
+                Ball {
+                    point: first_point + v as u32,
+                    radius,
+                    colour: [r, g, b],
+                    glow: style.glow as f32,
+                    through: style.through as f32,
+                }
             }));
         }
+        for arrow in body.arrows {
+            self.arrow(arrow, camera, unit, wants);
+        }
+    }
+
+    fn arrow(&mut self, arrow: &Arrow, camera: &Camera, unit: f64, wants: &Wants) {
+        let (at, direction) = (camera.normal(arrow.at), arrow.direction.normalized());
+        let depth = camera.place(at).z;
+        let length = match arrow.length {
+            Extent::Picture(length) => length * unit * depth / camera.focal,
+            Extent::Space(length) => camera.length(length),
+        };
+        // What reaches behind the eye cannot be drawn.
+        if direction == Vec3::ZERO || !(length > 0.0 && length < 0.5 * depth) {
+            return;
+        }
+        let solid = arrow::solid(at, direction, length, arrow.head);
+        let front = arrow.colour.linear();
+        let [r, g, b, _] = front;
+        let glow = if arrow.shaded { 0.25 } else { 1.0 };
+        let material = Material {
+            front,
+            back: [r, g, b],
+            smooth: true,
+            gloss: if arrow.shaded { 0.3 } else { 0.0 },
+            glow,
+            casts: false,
+            has_colours: false,
+            paint: None,
+            finish: Finish::Plain,
+        };
+        let same = |m: &Material| !m.casts && m.front == front && m.glow == glow;
+        if !self.materials.last().is_some_and(same) {
+            self.materials.push(material);
+        }
+        let body = self.materials.len() as u32 - 1;
+        let (first, face) = (self.points.len(), self.face_normals.len() as u32);
+        self.points.extend(solid.points.iter().map(|&p| camera.place(p)));
+        self.normals.extend(solid.normals.iter().map(|&n| to_f32(camera.turn(n))));
+        self.face_normals.push([0.0; 3]);
+        if wants.face_values {
+            self.face_values.push(f32::NAN);
+        }
+        if wants.colours {
+            self.colours.resize(self.points.len(), front);
+        }
+        if wants.values {
+            self.values.resize(self.points.len(), f32::NAN);
+        }
+        let corners = |t: &[u32; 3]| t.map(|c| first as u32 + c);
+        let triangles = solid.triangles.iter();
+        self.triangles.extend(triangles.map(|t| Triangle { corners: corners(t), face, body }));
+        self.raised.push((first..self.points.len(), 1.0 / (1.0 - RAISED * length / depth)));
     }
 
     /// The faces, of the last material.
@@ -517,6 +669,7 @@ impl Scene {
             faces,
             reach: (0.5 * line.width * unit) as f32,
             colour: line.colour.linear(),
+            through: style.through as f32,
         };
         let beside = |e: &Edge| e.faces.map(|f| first_face + f);
         let mut draw = |line: Option<Line>, only_boundary: bool| {

@@ -75,7 +75,7 @@ impl Shading<'_> {
         let x = (tile.left + at % tile.width) as f64 + 0.5;
         let y = (tile.top + at / tile.width) as f64 + 0.5;
         let ids = &tile.id[at];
-        let stroke = tile.stroke.get(at).filter(|s| s.iter().any(|&s| s != NONE));
+        let stroke = tile.stroke.get(at).filter(|s| s.iter().any(|s| s.top.id != NONE));
         let mut colours = [[0.0; 4]; SAMPLES];
         let mut known: Option<(Vec3f, Vec3f, Arrival)> = None;
         for k in 0..SAMPLES {
@@ -119,9 +119,9 @@ impl Shading<'_> {
             }
         }
         if let Some(stroke) = stroke {
-            for (colour, &s) in colours.iter_mut().zip(stroke) {
-                if let Some(stroke) = self.scene.strokes.get(s as usize) {
-                    *colour = over(stroke.colour, *colour);
+            for (colour, ink) in colours.iter_mut().zip(stroke) {
+                for ink in [ink.below, ink.top].into_iter().filter_map(|i| self.scene.ink(i.id)) {
+                    *colour = over(ink, *colour);
                 }
             }
         }
@@ -197,13 +197,13 @@ impl Shading<'_> {
             side,
             colour,
             gloss: material.gloss,
-            glow: 0.0,
+            glow: material.glow,
             mirrored: 0.0,
         };
         if let Some(paint) = &material.paint {
             place.colour = self.painted(paint, triangle, &setup, samples);
             place.gloss *= 0.25;
-            place.glow = 0.55;
+            place.glow = place.glow.max(0.55);
         }
         if !matches!(material.finish, Finish::Plain) {
             self.finish(&mut place, material, triangle, &setup, samples);
@@ -311,7 +311,7 @@ impl Shading<'_> {
             side: normal,
             colour: ball.colour,
             gloss: 0.6,
-            glow: 0.0,
+            glow: ball.glow,
             mirrored: 0.0,
         })
     }

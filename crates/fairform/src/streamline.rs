@@ -37,6 +37,7 @@ mod error;
 mod grid;
 mod initial;
 mod integrate;
+mod normals;
 mod stitch;
 mod surface;
 mod swap;

@@ -477,6 +477,37 @@ fn a_surface_is_a_manifold_grid() {
     assert_eq!(mesh.topology().uniform_face_size(), Some(4));
 }
 
+/// Meridians from a pole: the normals are radial, up to at least second order in the distance of the
+/// streamlines; at the pole, where all meet, there is none.
+#[test]
+fn normals_of_a_sphere_are_radial_in_the_limit() {
+    let error = |rows: usize| {
+        let turn = |k: usize| 1.5 * k as f64 / (rows - 1) as f64;
+        let row = |k: usize| {
+            (0..9).map(move |i| {
+                let a = 0.15 * f64::from(i);
+                let (c, s) = (libm::cos(a), libm::sin(a));
+                Vec3::new(c * libm::cos(turn(k)), c * libm::sin(turn(k)), -s)
+            })
+        };
+        let grid = Grid::from_rows((0..rows).map(row)).unwrap();
+        let t: Vec<f64> = (0..rows).map(turn).collect();
+        let pole = Vec3::new(0.0, 0.0, 1.0);
+        let initial = InitialCurve::Polyline { points: vec![pole; 2], t: vec![0.0, 1.5] };
+        let model = Model::new(grid, &vec![1.2; rows], t, initial);
+        let surface = Surface::new(Model { integration: Integration::Arcs, ..model }).unwrap();
+        let normals = surface.normals();
+        assert!((0..rows).all(|k| normals[(k, 0)] == Vec3::ZERO));
+        let pairs = normals.values().iter().zip(surface.points().values());
+        pairs
+            .filter(|(n, _)| **n != Vec3::ZERO)
+            .map(|(n, p)| (*n - *p).length())
+            .fold(0.0, f64::max)
+    };
+    let [coarse, fine] = [error(9), error(17)];
+    assert!(fine < 0.01 && coarse / fine > 3.8, "{coarse} {fine}");
+}
+
 /// A curve is the streamline of a surface with one row, and its own refinement of the tangents.
 #[test]
 fn a_curve_is_one_streamline() {

@@ -1,14 +1,14 @@
 //! `fairform render`.
 
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 use fairform::interpolate::{self, Interpolator};
 use fairform::{Scheme, fairness};
 use fairform_io::MeshData;
 use fairform_render::{
-    Body, Colour, ColourMap, Dot, Line, Options, Panel, Surface as SurfaceLook, Values, View,
+    Body, Colour, ColourMap, Dot, Line, Options, Panel, Part, Surface as SurfaceLook, Values, View,
 };
 use serde_json::json;
 
@@ -20,35 +20,54 @@ use crate::input::{self, Source};
 use crate::rules;
 use crate::surface::{Surface, check_memory};
 
+mod model;
+
+use model::Sheet;
+
 pub(crate) fn run(args: &Render, console: &Console) -> Result<ExitCode, Failure> {
     check_picture(&args.output)?;
     input::check_outputs(&[&args.output], console)?;
-    let read = |path: &PathBuf| input::read(&Source { path, format: args.from }, console);
-    let mut meshes = args.inputs.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let mut sheets = Vec::new();
+    for path in &args.inputs {
+        if model::is_model(path) {
+            sheets.extend(model::sheets(path, args)?);
+        } else {
+            let data = input::read(&Source { path, format: args.from }, console)?;
+            sheets.push(Sheet::of_mesh(path, data));
+        }
+    }
+    let mut meshes: Vec<MeshData> =
+        sheets.iter_mut().map(|sheet| std::mem::take(&mut sheet.data)).collect();
+    model::check(args, &sheets)?;
     let mut tensions = vec![None; meshes.len()];
     if let Some(scheme) = args.scheme.or(args.fit.then_some(Scheme::Loop)) {
-        let all = meshes.iter_mut().zip(&mut tensions).zip(&args.inputs);
-        for ((data, tension), path) in all {
-            let source = Source { path, format: args.from };
+        let all = meshes.iter_mut().zip(&mut tensions).zip(&sheets);
+        for ((data, tension), sheet) in all {
+            let source = Source { path: sheet.path, format: args.from };
             (*data, *tension) = surface_of(args, scheme, std::mem::take(data), &source, console)?;
         }
     } else if let Some(option) = args.rules.made().or(args.levels.map(|_| "--levels")) {
         return Err(Failure::usage(format!("{option} is for a surface that is made here"))
             .help("name the --scheme, or --fit"));
     } else if args.colour == Some(ColourChoice::Tension) {
-        for ((data, tension), path) in meshes.iter().zip(&mut tensions).zip(&args.inputs) {
-            let surface = Surface::new(data.clone(), &Source { path, format: args.from })?;
+        for ((data, tension), sheet) in meshes.iter().zip(&mut tensions).zip(&sheets) {
+            let surface =
+                Surface::new(data.clone(), &Source { path: sheet.path, format: args.from })?;
             *tension = rules::tension(&args.rules.tension, &surface)?;
         }
     }
-    let values = values(args, &meshes, tensions, console)?;
+    let values = values(args, &meshes, &sheets, tensions, console)?;
     let panels: Vec<Panel> = meshes
         .iter()
         .enumerate()
-        .map(|(i, data)| panel(args, i, data, values[i].as_ref()))
+        .map(|(i, data)| panel(args, i, data, &sheets[i], values[i].as_ref()))
         .collect();
     let background = if args.transparent { Colour::TRANSPARENT } else { Colour::WHITE };
-    let options = Options { background, shared: !args.separate, ..Options::default() };
+    // A sphere stands on no ground, and nothing is in its light.
+    let solid = args.model.sphere.is_none();
+    let shared = !args.separate;
+    let options =
+        Options { background, shared, ground: solid, shadows: solid, ..Options::default() };
     let view = View { zoom: args.zoom, ..args.view };
     let progress = console.progress();
     progress.say("drawing");
@@ -120,6 +139,7 @@ struct Numbers {
 fn values(
     args: &Render,
     meshes: &[MeshData],
+    sheets: &[Sheet],
     tensions: Vec<Option<Vec<f64>>>,
     console: &Console,
 ) -> Result<Vec<Option<Numbers>>, Failure> {
@@ -134,9 +154,9 @@ fn values(
         }
         _ => None,
     };
-    let one = |((data, path), tension): ((&MeshData, &PathBuf), Option<Vec<f64>>)| {
+    let one = |((data, sheet), tension): ((&MeshData, &Sheet), Option<Vec<f64>>)| {
         let Some(choice) = args.colour else { return Ok(None) };
-        let source = Source { path, format: args.from };
+        let source = Source { path: sheet.path, format: args.from };
         let (of, per_face, map, legend) = match choice {
             ColourChoice::Zebra | ColourChoice::Reflection => return Ok(None),
             ColourChoice::Curvature | ColourChoice::Mean | ColourChoice::Gaussian => {
@@ -169,13 +189,14 @@ fn values(
         };
         Ok(Some(Numbers { of, per_face, map, legend }))
     };
-    meshes.iter().zip(&args.inputs).zip(tensions).map(one).collect()
+    meshes.iter().zip(sheets).zip(tensions).map(one).collect()
 }
 
 fn panel<'a>(
     args: &Render,
     i: usize,
     data: &'a MeshData,
+    sheet: &'a Sheet,
     numbers: Option<&'a Numbers>,
 ) -> Panel<'a> {
     let mut body = Body::new(&data.positions, &data.faces);
@@ -197,12 +218,18 @@ fn panel<'a>(
         Some(ColourChoice::Reflection) => body.style.surface = SurfaceLook::REFLECTION,
         _ => {}
     }
-    let title = match args.title.get(i) {
-        Some(title) => Some(title.clone()),
-        None if args.inputs.len() > 1 => {
-            args.inputs[i].file_name().map(|name| name.to_string_lossy().into_owned())
-        }
-        None => None,
+    body.strokes = &sheet.strokes;
+    if !sheet.shown {
+        body.style.fill = None;
+    }
+    let name = || sheet.path.file_name().map(|name| name.to_string_lossy().into_owned());
+    let file = if args.inputs.len() > 1 { name() } else { None };
+    let depth = sheet.depth.map(|depth| format!("depth {depth}"));
+    let title = match (args.title.get(i), file, depth) {
+        (Some(title), _, _) => Some(title.clone()),
+        (None, Some(file), Some(depth)) => Some(format!("{file}\n{depth}")),
+        (None, file, depth) => file.or(depth),
     };
-    Panel { bodies: vec![body], title }
+    let parts = sheet.parts.iter().map(Part::body);
+    Panel { bodies: std::iter::once(body).chain(parts).collect(), title }
 }

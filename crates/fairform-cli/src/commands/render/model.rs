@@ -1,0 +1,197 @@
+//! Streamline models and curves in `fairform render`.
+
+use std::path::Path;
+
+use fairform::streamline::{self, Model};
+use fairform::{Faces, Vec3, fairness};
+use fairform_io::MeshData;
+use fairform_io::streamline::{Contents, Curve, EXTENSION};
+use fairform_render::{Directions, Line, ModelView, Part, Show, SphereView};
+
+use crate::args::{Render, Sphere};
+use crate::failure::Failure;
+
+/// What is drawn in one panel.
+pub(crate) struct Sheet<'a> {
+    pub(crate) path: &'a Path,
+    /// The surface.
+    pub(crate) data: MeshData,
+    /// Whether the surface itself is drawn.
+    pub(crate) shown: bool,
+    /// Lines on it.
+    pub(crate) strokes: Vec<([u32; 2], Line)>,
+    /// What else is drawn.
+    pub(crate) parts: Vec<Part>,
+    /// Of a model that is drawn at several.
+    pub(crate) depth: Option<u32>,
+    is_model: bool,
+}
+
+impl<'a> Sheet<'a> {
+    pub(crate) fn of_mesh(path: &'a Path, data: MeshData) -> Self {
+        Self { data, shown: true, is_model: false, ..Self::of_model(path) }
+    }
+
+    fn of_model(path: &'a Path) -> Self {
+        Self {
+            path,
+            data: MeshData::default(),
+            shown: false,
+            strokes: Vec::new(),
+            parts: Vec::new(),
+            depth: None,
+            is_model: true,
+        }
+    }
+}
+
+/// Whether the name is that of a model.
+pub(crate) fn is_model(path: &Path) -> bool {
+    let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase());
+    name.is_some_and(|name| name.strip_suffix(".gz").unwrap_or(&name).ends_with(EXTENSION))
+}
+
+/// Refuses options for meshes on models, and the other way round.
+pub(crate) fn check(args: &Render, sheets: &[Sheet]) -> Result<(), Failure> {
+    let model = &args.model;
+    let of_models = [
+        ("--depth", !model.depth.is_empty()),
+        ("--show", !model.show.is_empty()),
+        ("--sphere", model.sphere.is_some()),
+    ];
+    let option = of_models.into_iter().find(|(_, given)| *given);
+    if let (Some((option, _)), Some(mesh)) = (option, sheets.iter().find(|sheet| !sheet.is_model)) {
+        let what = format!("{option} is for models, and {} is none", mesh.path.display());
+        return Err(Failure::usage(what).help(format!("models end in {EXTENSION}")));
+    }
+    let of_meshes = [("--scheme", args.scheme.is_some()), ("--fit", args.fit)];
+    let option = of_meshes.into_iter().find(|(_, given)| *given);
+    if let Some((option, _)) = option.filter(|_| sheets.iter().any(|sheet| sheet.is_model)) {
+        return Err(Failure::usage(format!("{option} is for meshes; a model says its own scheme"))
+            .help(format!("leave out {option}")));
+    }
+    if model.sphere.is_some() && args.colour.is_some() {
+        let what = "--colour is for surfaces, and --sphere shows none";
+        return Err(Failure::usage(what).help("leave out one of them"));
+    }
+    Ok(())
+}
+
+/// What is drawn of the models or the curve in a file: a sheet for each depth.
+pub(crate) fn sheets<'a>(path: &'a Path, args: &Render) -> Result<Vec<Sheet<'a>>, Failure> {
+    let contents = fairform_io::streamline::read_any(path)?;
+    let depths: Vec<Option<u32>> = match args.model.depth.as_slice() {
+        [] => vec![None],
+        depths => depths.iter().copied().map(Some).collect(),
+    };
+    let several = depths.len() > 1;
+    let sheet = |depth: Option<u32>| {
+        let mut sheet = match &args.model.sphere {
+            Some(choice) => on_sphere(path, &contents, choice, depth, args)?,
+            None => in_space(path, &contents, depth, args)?,
+        };
+        sheet.depth = depth.filter(|_| several);
+        Ok(sheet)
+    };
+    depths.into_iter().map(sheet).collect()
+}
+
+fn at(path: &Path) -> impl Fn(streamline::Error) -> Failure + '_ {
+    |error| Failure::new(format!("{}: {error}", path.display()))
+}
+
+fn in_space<'a>(
+    path: &'a Path,
+    contents: &Contents,
+    depth: Option<u32>,
+    args: &Render,
+) -> Result<Sheet<'a>, Failure> {
+    let mut view = ModelView::default();
+    if !args.model.show.is_empty() {
+        view.show.clone_from(&args.model.show);
+    }
+    let models: Vec<Model> = match contents {
+        Contents::Surface(models) => models.patches.iter().map(|p| p.model.clone()).collect(),
+        _ => {
+            return Err(Failure::new(format!("{}: a curve is no surface", path.display()))
+                .help("draw its tangents, with --sphere"));
+        }
+    };
+    let mut sheet = Sheet { shown: view.shows(Show::Surface), ..Sheet::of_model(path) };
+    let (mut normals, mut corners) = (Vec::new(), Vec::new());
+    for model in models {
+        let depth = depth.unwrap_or(model.depth);
+        let surface = streamline::Surface::new(Model { depth, ..model }).map_err(at(path))?;
+        let mut parts = view.parts(&surface);
+        let mesh = parts.remove(0);
+        let first = sheet.data.positions.len() as u32;
+        normals.extend(whole_normals(&surface, &mesh, path)?);
+        corners.extend(mesh.faces.corners().iter().map(|v| first + v));
+        sheet.data.positions.extend(mesh.positions);
+        let strokes = mesh.strokes.into_iter();
+        sheet.strokes.extend(strokes.map(|(ends, line)| (ends.map(|v| first + v), line)));
+        sheet.parts.extend(parts);
+    }
+    sheet.data.faces = Faces::uniform(4, corners);
+    sheet.data.normals = Some(normals);
+    Ok(sheet)
+}
+
+/// The normals of the surface, and where streamlines meet those of its faces.
+fn whole_normals(
+    surface: &streamline::Surface,
+    mesh: &Part,
+    path: &Path,
+) -> Result<Vec<Vec3>, Failure> {
+    let mut normals = mesh.normals.clone().unwrap_or_default();
+    if normals.contains(&Vec3::ZERO) && !mesh.faces.is_empty() {
+        let mesh = surface.mesh().map_err(|e| Failure::new(format!("{}: {e}", path.display())))?;
+        let fitted = fairness::fitted_normals(mesh.topology(), mesh.positions());
+        let none = normals.iter_mut().zip(fitted).filter(|(n, _)| **n == Vec3::ZERO);
+        none.for_each(|(normal, fitted)| *normal = fitted);
+    }
+    Ok(normals)
+}
+
+fn on_sphere<'a>(
+    path: &'a Path,
+    contents: &Contents,
+    choice: &Sphere,
+    depth: Option<u32>,
+    args: &Render,
+) -> Result<Sheet<'a>, Failure> {
+    let mut all = Vec::new();
+    let wrong = |error| at(path)(streamline::Error::Sphere { field: "tangents", error });
+    match contents {
+        Contents::Surface(models) => {
+            for patch in &models.patches {
+                let depth = depth.unwrap_or(patch.model.depth);
+                let model = Model { depth, ..patch.model.clone() };
+                all.extend(match choice {
+                    Sphere::Columns => Directions::columns(&model).map_err(at(path))?,
+                    _ => Directions::rows(&model).map_err(at(path))?,
+                });
+            }
+        }
+        Contents::Curve(Curve::Subdivided(curve)) => {
+            let (control, depth) = (curve.tangents.clone(), depth.unwrap_or(curve.depth));
+            let made = Directions::subdivided(control, curve.rule, curve.ends, depth);
+            all.push(made.map_err(wrong)?);
+        }
+        Contents::Curve(Curve::Qi { tangents, order, knots, .. }) => {
+            const PLACES: usize = 400;
+            all.push(Directions::qi(tangents.clone(), *order, *knots, PLACES).map_err(wrong)?);
+        }
+        _ => {}
+    }
+    if let Sphere::Some(rows) = choice {
+        if let Some(row) = rows.iter().find(|row| **row >= all.len()) {
+            let (path, count) = (path.display(), all.len());
+            return Err(Failure::usage(format!("{path}: there is no row {row}; it has {count}"))
+                .help("rows count from 0"));
+        }
+        all = rows.iter().map(|&row| all[row].clone()).collect();
+    }
+    let view = SphereView { up: args.view.up, ..SphereView::default() };
+    Ok(Sheet { parts: view.parts(&all), ..Sheet::of_model(path) })
+}
