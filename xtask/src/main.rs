@@ -17,6 +17,9 @@ cargo xtask test                    all tests: unit, integration, documentation,
 cargo xtask check                   formatting, lints, documentation, and all tests
 cargo xtask bench [--write]         how fast each step is on this machine, beside what its memory
                                     allows; --write makes docs/performance.md of it
+cargo xtask bench streamlines [--write]
+                                    the same of curves and surfaces of tangents;
+                                    docs/performance-streamlines.md
 cargo xtask fuzz [SECONDS] [TARGET] every fuzz target, or one, for so long each [30]
 cargo xtask guide                   the pictures of the guide, anew
 cargo xtask help                    this";
@@ -27,8 +30,10 @@ fn main() -> ExitCode {
     let done = match args.as_slice() {
         ["test"] => test::run(),
         ["check"] => check::run(),
-        ["bench"] => bench::run(false),
-        ["bench", "--write"] => bench::run(true),
+        ["bench"] => bench::run(&bench::MESHES, false),
+        ["bench", "--write"] => bench::run(&bench::MESHES, true),
+        ["bench", "streamlines"] => bench::run(&bench::STREAMLINES, false),
+        ["bench", "streamlines", "--write"] => bench::run(&bench::STREAMLINES, true),
         ["fuzz", rest @ ..] => fuzz::run(rest),
         ["guide"] => guide::run(),
         [] | ["help" | "--help" | "-h"] => {
