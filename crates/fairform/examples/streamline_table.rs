@@ -75,8 +75,8 @@ fn table_1() {
     println!(
         "Five control tangents, as in table 1 of the paper: best time of many runs, median in brackets, \
          one thread. Ratios are of whole curves, as there; the paper has 4.3 to 4.7 for the four-point \
-         rule and 15 to 17 for Chaikin's, against a QI curve of its own. Here the QI curve turns by the \
-         rotations that are not yet complete and evaluates only the basis functions that do not vanish.\n"
+         rule and 15 to 17 for Chaikin's, against a QI curve of its own. Here the QI curve begins at \
+         the last tangent that it has passed, and turns by as many rotations as its degree.\n"
     );
     println!(
         "| curve | tangents | µs | ns per tangent | QI 3 / this | QI 4 / this | QI 5 / this |"

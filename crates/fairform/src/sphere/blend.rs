@@ -145,13 +145,12 @@ pub(super) struct FixedBlend {
     series: [[f64; TERMS]; 2],
 }
 
-/// Terms of the series, and up to which $`\sin^2(\theta/2)`$ they are exact: angles of 20 degrees.
-const TERMS: usize = 11;
-const LARGEST: f64 = 0.03;
+/// Terms of the series.
+const TERMS: usize = 22;
 
-/// The same for angles of 2.8 degrees.
-const FEW_TERMS: usize = 5;
-const SMALL: f64 = 6e-4;
+/// Up to which $`y = \sin^2(\theta/2)`$ so many terms, with the first one left out below rounding: angles
+/// of 1, 2.8, 7, 20 and 47 degrees.
+const REACH: [(usize, f64); 5] = [(4, 1e-4), (5, 6e-4), (7, 4e-3), (11, 0.03), (TERMS, 0.16)];
 
 /// Chaikin's coefficients.
 pub(super) const QUARTER: FixedBlend = FixedBlend::new(0.75, 0.25);
@@ -165,14 +164,25 @@ impl FixedBlend {
     #[inline]
     pub(super) fn both(&self, t0: Vec3, t1: Vec3) -> [Vec3; 2] {
         let y = quarter_square(t0, t1);
-        let [w0, w1] = if y <= SMALL {
-            [evaluate::<FEW_TERMS>(&self.series[0], y), evaluate::<FEW_TERMS>(&self.series[1], y)]
-        } else if y <= LARGEST {
-            [evaluate::<TERMS>(&self.series[0], y), evaluate::<TERMS>(&self.series[1], y)]
+        let [w0, w1] = if y <= REACH[0].1 {
+            self.weights::<{ REACH[0].0 }>(y)
+        } else if y <= REACH[1].1 {
+            self.weights::<{ REACH[1].0 }>(y)
+        } else if y <= REACH[2].1 {
+            self.weights::<{ REACH[2].0 }>(y)
+        } else if y <= REACH[3].1 {
+            self.weights::<{ REACH[3].0 }>(y)
+        } else if y <= REACH[4].1 {
+            self.weights::<{ REACH[4].0 }>(y)
         } else {
             return self.far(t0, t1);
         };
         [w0 * t0 + w1 * t1, w1 * t0 + w0 * t1]
+    }
+
+    #[inline]
+    fn weights<const N: usize>(&self, y: f64) -> [f64; 2] {
+        self.series.each_ref().map(|series| evaluate::<N>(series, y))
     }
 
     #[cold]
@@ -192,8 +202,11 @@ impl FixedBlend {
 pub(super) fn half(t0: Vec3, t1: Vec3) -> Vec3 {
     const HALF: [f64; TERMS] = series(0.5);
     let y = quarter_square(t0, t1);
-    if y <= SMALL {
-        return evaluate::<FEW_TERMS>(&HALF, y) * (t0 + t1);
+    if y <= REACH[0].1 {
+        return evaluate::<{ REACH[0].0 }>(&HALF, y) * (t0 + t1);
+    }
+    if y <= REACH[2].1 {
+        return evaluate::<{ REACH[2].0 }>(&HALF, y) * (t0 + t1);
     }
     midpoint(t0, t1)
 }

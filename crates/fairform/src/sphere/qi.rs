@@ -31,7 +31,7 @@ pub enum Knots {
 /// tangents in reverse give another curve. \[Miura2001, eq. 16 to 24, corrected\]
 #[derive(Clone, PartialEq, Debug)]
 pub struct QiCurve {
-    first: Vec3,
+    tangents: Vec<Vec3>,
     /// Axis and angle from each tangent to the next.
     turns: Vec<(Vec3, f64)>,
     order: usize,
@@ -70,7 +70,7 @@ impl QiCurve {
             }
         };
         let knots = (0..=n + order).map(knot).collect();
-        Ok(Self { first: tangents[0], turns, order, knots })
+        Ok(Self { tangents, turns, order, knots })
     }
 
     /// The tangent at a parameter in $`[0, 1]`$; beyond, that at the end.
@@ -90,12 +90,11 @@ impl QiCurve {
 
     fn tangent_in(&self, span: usize, u: f64, basis: &mut Vec<f64>) -> Vec3 {
         self.basis(span, u, basis);
-        // B̃ is one before the order's reach, and zero behind the span.
+        // B̃ is one before the order's reach, so that tangents are met there, and zero behind the span.
         let first = span + 1 - self.order;
-        let mut t = self.first;
-        for (i, &(axis, theta)) in (1..).zip(&self.turns[..span]) {
-            let share = if i <= first { 1.0 } else { basis[i - first..].iter().sum() };
-            let turn = share * theta;
+        let mut t = self.tangents[first];
+        for (i, &(axis, theta)) in (1..).zip(&self.turns[first..span]) {
+            let turn = basis[i..].iter().sum::<f64>() * theta;
             let (sine, cosine) = (libm::sin(turn), libm::cos(turn));
             t = cosine * t + sine * axis.cross(t) + (1.0 - cosine) * axis.dot(t) * axis;
         }

@@ -112,6 +112,15 @@ pub struct Step {
     count: usize,
     /// $`-\tfrac w8, \tfrac{8+w}8`$, for the four-point rule.
     outward: FixedBlend,
+    /// $`\tfrac{8-w}8, \tfrac w8`$, at its open ends.
+    inward: FixedBlend,
+}
+
+/// Of the published tension.
+const FOUR_POINT: [FixedBlend; 2] = four_point_blends(1.0);
+
+const fn four_point_blends(w: f64) -> [FixedBlend; 2] {
+    [FixedBlend::new(-w / 8.0, (8.0 + w) / 8.0), FixedBlend::new((8.0 - w) / 8.0, w / 8.0)]
 }
 
 impl Step {
@@ -134,15 +143,18 @@ impl Step {
         if count < needed {
             return Err(Error::TooFew { rule: name, needed, count });
         }
-        let mut w = 0.0;
-        if let Rule::FourPoint { w: value } = rule {
-            if !(value.is_finite() && value > -8.0) {
+        let [mut outward, mut inward] = FOUR_POINT;
+        if let Rule::FourPoint { w } = rule {
+            if !(w.is_finite() && w > -8.0) {
                 let (what, expected) = ("the four-point tension", "finite and above -8");
-                return Err(Error::BadNumber { what, expected, value });
+                return Err(Error::BadNumber { what, expected, value: w });
             }
-            w = value;
+            // To make the series takes longer than a short step.
+            if w != 1.0 {
+                [outward, inward] = four_point_blends(w);
+            }
         }
-        Ok(Self { rule, ends, count, outward: FixedBlend::new(-w / 8.0, (8.0 + w) / 8.0) })
+        Ok(Self { rule, ends, count, outward, inward })
     }
 
     /// Number of elements of the refined sequence.
@@ -339,9 +351,15 @@ impl Step {
                 let [after, _] = QUARTER.both(at(1), at(2));
                 return half(before, after);
             }
-            [a, _, _, d] if four_point && a == d => {
-                let [onward, _] = self.outward.both(at(0), at(1));
-                let [_, back] = self.outward.both(at(2), at(3));
+            [_, _, _, _] if four_point => {
+                // A leg at an end stands for its own reflection.
+                let (before, behind) = match (terms.source[1] == terms.source[2], j == 1) {
+                    (false, _) => (&self.outward, &self.outward),
+                    (true, true) => (&self.inward, &self.outward),
+                    (true, false) => (&self.outward, &self.inward),
+                };
+                let [onward, _] = before.both(at(0), at(1));
+                let [_, back] = behind.both(at(2), at(3));
                 return half(onward, back);
             }
             _ => {}
