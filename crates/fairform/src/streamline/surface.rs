@@ -94,7 +94,7 @@ impl Surface {
         let (rows, columns) = (surface.tangents().row_count(), surface.tangents().column_count());
         let columns = point_count(surface.model.integration, columns);
         surface.points = Grid::filled(rows, columns, Vec3::ZERO);
-        surface.integrate(0..rows);
+        surface.integrate(&(0..rows));
         Ok(surface)
     }
 
@@ -265,13 +265,13 @@ impl Surface {
         self.begin = model.initial.points(self.t())?;
         self.model = model;
         let rows = 0..self.points.row_count();
-        Ok(Changed { tangents: Rect::default(), points: self.integrate(rows) })
+        Ok(Changed { tangents: Rect::default(), points: self.integrate(&rows) })
     }
 
     /// Carries a change of a rectangle of a level to the finest grids.
     fn update(&mut self, level: u32, rect: &Rect) -> Changed {
         let tangents = self.refine(level, rect);
-        let points = self.integrate(tangents.rows.clone());
+        let points = self.integrate(&tangents.rows);
         Changed { tangents, points }
     }
 
@@ -355,13 +355,11 @@ impl Surface {
     }
 
     /// Integrates some streamlines anew; the rectangle in which points moved.
-    fn integrate(&mut self, rows: Range<usize>) -> Rect {
+    fn integrate(&mut self, rows: &Range<usize>) -> Rect {
         let finest = &self.levels[self.levels.len() - 1];
         let columns = self.points.column_count();
         let (model, begin) = (&self.model, &self.begin);
-        let first = rows.start;
-        let block = &mut self.points.values_mut()[rows.start * columns..rows.end * columns];
-        let parts = row_parts(block, columns, first);
+        let parts = row_parts(&mut self.points, rows);
         let moved = par::map_parts(parts, |(first, block): (usize, &mut [Vec3])| {
             let mut new = alloc::vec![Vec3::ZERO; columns];
             let mut moved = Rect::default();
@@ -452,9 +450,7 @@ fn refine_along(
     rect: &Rect,
 ) {
     let columns = fine.column_count();
-    let block = &mut fine.values_mut()[rect.rows.start * columns..rect.rows.end * columns];
-    let parts = row_parts(block, columns, rect.rows.start);
-    par::in_parts(parts, |(first, block)| {
+    par::in_parts(row_parts(fine, &rect.rows), |(first, block)| {
         for (row, out) in (first..).zip(block.chunks_exact_mut(columns)) {
             let from = coarse.row(row);
             step.run(blend, |i| from[i], rect.columns.clone(), |j, t| out[j] = t);
@@ -471,9 +467,7 @@ fn refine_across(
     rect: &Rect,
 ) {
     let columns = fine.column_count();
-    let block = &mut fine.values_mut()[rect.rows.start * columns..rect.rows.end * columns];
-    let parts = row_parts(block, columns, rect.rows.start);
-    par::in_parts(parts, |(first, block)| {
+    par::in_parts(row_parts(fine, &rect.rows), |(first, block)| {
         let rows = first..first + block.len() / columns;
         for i in rect.columns.clone() {
             let put = |j: usize, t| block[(j - first) * columns + i] = t;
@@ -483,9 +477,11 @@ fn refine_across(
 }
 
 /// Rows cut into a few parts, each with the number of its first row; one part if they are few.
-fn row_parts<T>(block: &mut [T], columns: usize, first: usize) -> Vec<(usize, &mut [T])> {
+fn row_parts<'g, T>(grid: &'g mut Grid<T>, rows: &Range<usize>) -> Vec<(usize, &'g mut [T])> {
     const FEW: usize = 1 << 14;
-    let rows = block.len().checked_div(columns).unwrap_or(0);
+    let (columns, first) = (grid.column_count(), rows.start);
+    let block = &mut grid.values_mut()[rows.start * columns..rows.end * columns];
+    let rows = rows.len();
     let parts = if block.len() < FEW { 1 } else { par::part_count() };
     let each = rows.div_ceil(parts).max(1);
     let chunks = block.chunks_mut((each * columns).max(1)).enumerate();

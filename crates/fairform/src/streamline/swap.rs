@@ -3,10 +3,9 @@
 use alloc::vec::Vec;
 
 use crate::Vec3;
-use crate::scheme::Scheme;
-use crate::sphere::{Blend, Ends, angle};
+use crate::sphere::angle;
 
-use super::{Error, Grid, InitialCurve, Integration, Model, Order, Start, Surface};
+use super::{Error, Grid, InitialCurve, Integration, Model, Surface};
 
 /// A model of nearly the same surface whose streamlines run across those of the given one: `rows` of
 /// them, with `columns` tangents each, evenly chosen from the refined surface. Tangents are those of
@@ -59,20 +58,10 @@ pub fn swap(surface: &Surface, rows: usize, columns: usize) -> Result<Model, Err
         t: (0..points.column_count()).map(mean).collect(),
     };
     Ok(Model {
-        tangents: Grid::collected(tangents),
         s: Grid::collected(s),
-        t,
-        initial,
-        start: Start::Min,
-        length: None,
-        scheme: Scheme::Kobbelt,
-        order: Order::St,
-        ends: Ends::Natural,
-        w: 1.0,
-        blend: Blend::Pairs,
         integration: Integration::Arcs,
-        details: Vec::new(),
         depth: surface.model().depth,
+        ..Model::new(Grid::collected(tangents), &[], t, initial)
     })
 }
 
