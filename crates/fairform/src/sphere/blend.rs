@@ -152,6 +152,9 @@ const TERMS: usize = 22;
 /// of 1, 2.8, 7, 20 and 47 degrees.
 const REACH: [(usize, f64); 5] = [(4, 1e-4), (5, 6e-4), (7, 4e-3), (11, 0.03), (TERMS, 0.16)];
 
+/// Beyond, for angles of 120 degrees, the two directions say too little of their plane to be added up.
+const FARTHEST: f64 = 0.75;
+
 /// Chaikin's coefficients.
 pub(super) const QUARTER: FixedBlend = FixedBlend::new(0.75, 0.25);
 
@@ -161,12 +164,28 @@ impl FixedBlend {
     }
 
     /// $`c_0\,t_0 \oplus c_1\,t_1`$ and $`c_1\,t_0 \oplus c_0\,t_1`$.
-    #[inline]
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "the loops over nearby directions take half as long")]
     pub(super) fn both(&self, t0: Vec3, t1: Vec3) -> [Vec3; 2] {
         let y = quarter_square(t0, t1);
-        let [w0, w1] = if y <= REACH[0].1 {
-            self.weights::<{ REACH[0].0 }>(y)
-        } else if y <= REACH[1].1 {
+        if y > FARTHEST {
+            // Taken apart, so that the usual case stays in registers.
+            let [a, b] = self.far(t0, t1);
+            return [Vec3::new(a.x, a.y, a.z), Vec3::new(b.x, b.y, b.z)];
+        }
+        let (w0, w1) =
+            if y <= REACH[0].1 { self.weights::<{ REACH[0].0 }>(y) } else { self.wide_weights(y) };
+        [w0 * t0 + w1 * t1, w1 * t0 + w0 * t1]
+    }
+
+    #[inline]
+    fn weights<const N: usize>(&self, y: f64) -> (f64, f64) {
+        (evaluate::<N>(&self.series[0], y), evaluate::<N>(&self.series[1], y))
+    }
+
+    #[inline(never)]
+    fn wide_weights(&self, y: f64) -> (f64, f64) {
+        if y <= REACH[1].1 {
             self.weights::<{ REACH[1].0 }>(y)
         } else if y <= REACH[2].1 {
             self.weights::<{ REACH[2].0 }>(y)
@@ -175,39 +194,40 @@ impl FixedBlend {
         } else if y <= REACH[4].1 {
             self.weights::<{ REACH[4].0 }>(y)
         } else {
-            return self.far(t0, t1);
-        };
-        [w0 * t0 + w1 * t1, w1 * t0 + w0 * t1]
-    }
-
-    #[inline]
-    fn weights<const N: usize>(&self, y: f64) -> [f64; 2] {
-        self.series.each_ref().map(|series| evaluate::<N>(series, y))
+            let theta = 2.0 * libm::atan2(libm::sqrt(y), libm::sqrt(1.0 - y));
+            let [s0, s1] = self.coefficients.map(|c| libm::sin(c * theta));
+            let sine = libm::sin(theta);
+            (s0 / sine, s1 / sine)
+        }
     }
 
     #[cold]
     fn far(&self, t0: Vec3, t1: Vec3) -> [Vec3; 2] {
-        let ([c0, c1], cosine) = (self.coefficients, t0.dot(t1));
-        if cosine < NEARLY_OPPOSITE || c0 == QUARTER.coefficients[0] {
-            return [weighted(c0, t0, c1, t1), weighted(c1, t0, c0, t1)];
-        }
-        let theta = libm::atan2(t0.cross(t1).length(), cosine);
-        let (s0, s1) = (libm::sin(c0 * theta), libm::sin(c1 * theta));
-        [(s0 * t0 + s1 * t1).normalized(), (s1 * t0 + s0 * t1).normalized()]
+        let [c0, c1] = self.coefficients;
+        [weighted(c0, t0, c1, t1), weighted(c1, t0, c0, t1)]
     }
 }
 
 /// [`midpoint`] by the series for nearby directions.
-#[inline]
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "the loops over nearby directions take half as long")]
 pub(super) fn half(t0: Vec3, t1: Vec3) -> Vec3 {
     const HALF: [f64; TERMS] = series(0.5);
     let y = quarter_square(t0, t1);
-    if y <= REACH[0].1 {
-        return evaluate::<{ REACH[0].0 }>(&HALF, y) * (t0 + t1);
+    if y > FARTHEST {
+        let made = midpoint_apart(t0, t1);
+        return Vec3::new(made.x, made.y, made.z);
     }
-    if y <= REACH[2].1 {
-        return evaluate::<{ REACH[2].0 }>(&HALF, y) * (t0 + t1);
-    }
+    let weight = if y <= REACH[0].1 {
+        evaluate::<{ REACH[0].0 }>(&HALF, y)
+    } else {
+        0.5 / libm::sqrt(1.0 - y)
+    };
+    weight * (t0 + t1)
+}
+
+#[cold]
+fn midpoint_apart(t0: Vec3, t1: Vec3) -> Vec3 {
     midpoint(t0, t1)
 }
 

@@ -4,6 +4,7 @@
 //! [`combine`](super::combine()), of numbers by the sum. The regular rules need no trigonometry except
 //! the extrapolation of the four-point rule, and the inner loop shares what neighbours have in common.
 
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::ops::Range;
 
@@ -105,23 +106,35 @@ impl Terms {
 }
 
 /// One step of a rule on a sequence of some length.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Step {
     rule: Rule,
     ends: Ends,
     count: usize,
-    /// $`-\tfrac w8, \tfrac{8+w}8`$, for the four-point rule.
+    /// Those of the four-point rule, if not of the published tension.
+    blends: Option<Box<FourPointBlends>>,
+}
+
+/// What the four-point rule is made of.
+#[derive(Clone, Debug)]
+struct FourPointBlends {
+    /// $`-\tfrac w8, \tfrac{8+w}8`$.
     outward: FixedBlend,
-    /// $`\tfrac{8-w}8, \tfrac w8`$, at its open ends.
+    /// $`\tfrac{8-w}8, \tfrac w8`$, at open ends.
     inward: FixedBlend,
 }
 
-/// Of the published tension.
-const FOUR_POINT: [FixedBlend; 2] = four_point_blends(1.0);
-
-const fn four_point_blends(w: f64) -> [FixedBlend; 2] {
-    [FixedBlend::new(-w / 8.0, (8.0 + w) / 8.0), FixedBlend::new((8.0 - w) / 8.0, w / 8.0)]
+impl FourPointBlends {
+    const fn new(w: f64) -> Self {
+        Self {
+            outward: FixedBlend::new(-w / 8.0, (8.0 + w) / 8.0),
+            inward: FixedBlend::new((8.0 - w) / 8.0, w / 8.0),
+        }
+    }
 }
+
+/// Of the published tension; to make them takes longer than a short step.
+static FOUR_POINT: FourPointBlends = FourPointBlends::new(1.0);
 
 impl Step {
     /// The step that refines `count` elements.
@@ -143,18 +156,19 @@ impl Step {
         if count < needed {
             return Err(Error::TooFew { rule: name, needed, count });
         }
-        let [mut outward, mut inward] = FOUR_POINT;
+        let mut blends = None;
         if let Rule::FourPoint { w } = rule {
             if !(w.is_finite() && w > -8.0) {
                 let (what, expected) = ("the four-point tension", "finite and above -8");
                 return Err(Error::BadNumber { what, expected, value: w });
             }
-            // To make the series takes longer than a short step.
-            if w != 1.0 {
-                [outward, inward] = four_point_blends(w);
-            }
+            blends = (w != 1.0).then(|| Box::new(FourPointBlends::new(w)));
         }
-        Ok(Self { rule, ends, count, outward, inward })
+        Ok(Self { rule, ends, count, blends })
+    }
+
+    fn blends(&self) -> &FourPointBlends {
+        self.blends.as_deref().unwrap_or(&FOUR_POINT)
     }
 
     /// Number of elements of the refined sequence.
@@ -353,10 +367,11 @@ impl Step {
             }
             [_, _, _, _] if four_point => {
                 // A leg at an end stands for its own reflection.
+                let FourPointBlends { outward, inward } = self.blends();
                 let (before, behind) = match (terms.source[1] == terms.source[2], j == 1) {
-                    (false, _) => (&self.outward, &self.outward),
-                    (true, true) => (&self.inward, &self.outward),
-                    (true, false) => (&self.outward, &self.inward),
+                    (false, _) => (outward, outward),
+                    (true, true) => (inward, outward),
+                    (true, false) => (outward, inward),
                 };
                 let [onward, _] = before.both(at(0), at(1));
                 let [_, back] = behind.both(at(2), at(3));
@@ -427,10 +442,11 @@ impl Step {
             return put(2 * first, get(first));
         }
         // Each leg prolonged beyond both its ends.
+        let outward = &self.blends().outward;
         let mut vertex = get(first);
         let mut next = get(first + 1);
-        let [mut onward, _] = self.outward.both(get(first - 1), vertex);
-        let [mut ahead, _] = self.outward.both(vertex, next);
+        let [mut onward, _] = outward.both(get(first - 1), vertex);
+        let [mut ahead, _] = outward.both(vertex, next);
         for i in first..=last {
             if i > first || 2 * i == range.start {
                 put(2 * i, vertex);
@@ -439,7 +455,7 @@ impl Step {
                 break;
             }
             let after = get(i + 2);
-            let [beyond, back] = self.outward.both(next, after);
+            let [beyond, back] = outward.both(next, after);
             put(2 * i + 1, half(onward, back));
             (onward, ahead) = (ahead, beyond);
             (vertex, next) = (next, after);
