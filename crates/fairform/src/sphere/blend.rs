@@ -209,8 +209,7 @@ impl FixedBlend {
 }
 
 /// [`midpoint`] by the series for nearby directions.
-#[inline(always)]
-#[expect(clippy::inline_always, reason = "the loops over nearby directions take half as long")]
+#[inline]
 pub(super) fn half(t0: Vec3, t1: Vec3) -> Vec3 {
     const HALF: [f64; TERMS] = series(0.5);
     let y = quarter_square(t0, t1);
