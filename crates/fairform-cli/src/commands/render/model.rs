@@ -6,10 +6,13 @@ use fairform::streamline::{self, Model};
 use fairform::{Faces, Vec3, fairness};
 use fairform_io::MeshData;
 use fairform_io::streamline::{Contents, Curve, EXTENSION};
-use fairform_render::{Directions, Line, ModelView, Part, Show, SphereView};
+use fairform_render::{Directions, Line, ModelView, Part, Show, SphereView, View};
 
 use crate::args::{Render, Sphere};
+use crate::console::Console;
 use crate::failure::Failure;
+use crate::input::Source;
+use crate::models;
 
 /// What is drawn in one panel.
 pub(crate) struct Sheet<'a> {
@@ -77,9 +80,28 @@ pub(crate) fn check(args: &Render, sheets: &[Sheet]) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The view that a file asks for.
+pub(crate) fn view(path: &Path, contents: &Contents, console: &Console) -> Option<View> {
+    let Contents::Surface(models) = contents else { return None };
+    let displays = models.patches.iter().map(|patch| &patch.display);
+    let mut displays = std::iter::once(&models.display).chain(displays).flatten();
+    let said = displays.find_map(|display| display.get("view"))?;
+    // It may be meant for another viewer.
+    let view = said.as_str().and_then(|text| text.parse().ok());
+    if view.is_none() {
+        let path = path.display();
+        console.note(format!("warning: {path}: display.view: {said} is no view as --view takes"));
+    }
+    view
+}
+
 /// What is drawn of the models or the curve in a file: a sheet for each depth.
-pub(crate) fn sheets<'a>(path: &'a Path, args: &Render) -> Result<Vec<Sheet<'a>>, Failure> {
-    let contents = fairform_io::streamline::read_any(path)?;
+pub(crate) fn sheets<'a>(
+    path: &'a Path,
+    contents: &Contents,
+    args: &Render,
+    view: &View,
+) -> Result<Vec<Sheet<'a>>, Failure> {
     let depths: Vec<Option<u32>> = match args.model.depth.as_slice() {
         [] => vec![None],
         depths => depths.iter().copied().map(Some).collect(),
@@ -87,8 +109,8 @@ pub(crate) fn sheets<'a>(path: &'a Path, args: &Render) -> Result<Vec<Sheet<'a>>
     let several = depths.len() > 1;
     let sheet = |depth: Option<u32>| {
         let mut sheet = match &args.model.sphere {
-            Some(choice) => on_sphere(path, &contents, choice, depth, args)?,
-            None => in_space(path, &contents, depth, args)?,
+            Some(choice) => on_sphere(path, contents, choice, depth, view)?,
+            None => in_space(path, contents, depth, args)?,
         };
         sheet.depth = depth.filter(|_| several);
         Ok(sheet)
@@ -111,7 +133,7 @@ fn in_space<'a>(
         view.show.clone_from(&args.model.show);
     }
     let models: Vec<Model> = match contents {
-        Contents::Surface(models) => models.patches.iter().map(|p| p.model.clone()).collect(),
+        Contents::Surface(all) => models::stitched(all, &Source { path, format: None })?,
         _ => {
             return Err(Failure::new(format!("{}: a curve is no surface", path.display()))
                 .help("draw its tangents, with --sphere"));
@@ -158,15 +180,15 @@ fn on_sphere<'a>(
     contents: &Contents,
     choice: &Sphere,
     depth: Option<u32>,
-    args: &Render,
+    view: &View,
 ) -> Result<Sheet<'a>, Failure> {
     let mut all = Vec::new();
     let wrong = |error| at(path)(streamline::Error::Sphere { field: "tangents", error });
     match contents {
         Contents::Surface(models) => {
-            for patch in &models.patches {
-                let depth = depth.unwrap_or(patch.model.depth);
-                let model = Model { depth, ..patch.model.clone() };
+            for model in models::stitched(models, &Source { path, format: None })? {
+                let depth = depth.unwrap_or(model.depth);
+                let model = Model { depth, ..model };
                 all.extend(match choice {
                     Sphere::Columns => Directions::columns(&model).map_err(at(path))?,
                     _ => Directions::rows(&model).map_err(at(path))?,
@@ -192,6 +214,6 @@ fn on_sphere<'a>(
         }
         all = rows.iter().map(|&row| all[row].clone()).collect();
     }
-    let view = SphereView { up: args.view.up, ..SphereView::default() };
+    let view = SphereView { up: view.up, ..SphereView::default() };
     Ok(Sheet { parts: view.parts(&all), ..Sheet::of_model(path) })
 }
