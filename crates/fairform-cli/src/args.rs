@@ -512,9 +512,9 @@ pub(crate) struct Streamline {
     /// many and with so many tangents each, taken from its refined surface, to which they are near.
     #[arg(long, value_name = "ROWSxCOLUMNS", value_parser = grid)]
     pub(crate) swap: Option<[usize; 2]>,
-    /// Write a bicubic B-spline surface instead, one for each patch, that is nowhere farther from the
-    /// refined surface than this fraction of the diagonal of its bounding box: as free-form surface if
-    /// SURFACE ends in .obj, as degrees, knots and control points if in .json.
+    /// Write a bicubic B-spline surface instead, one for each patch, within this fraction of the
+    /// diagonal of the bounding box of the surface, which is refined by arcs until it can be told: as a
+    /// free-form surface if SURFACE ends in .obj, as degrees, knots and control points if in .json.
     #[arg(long, value_name = "TOLERANCE", value_parser = positive, requires = "output")]
     pub(crate) bspline: Option<f64>,
     /// Also say lengths, curvature along the streamlines, bending energy, and how well patches join.

@@ -85,6 +85,11 @@ pub(crate) fn diagonal(surfaces: &[Surface]) -> f64 {
     Bounds::of(surfaces.iter().flat_map(|s| s.points().values()).copied()).diagonal()
 }
 
+/// All surfaces, with the vertices of shared streamlines in common.
+pub(crate) fn joined(surfaces: &[Surface]) -> Joined {
+    join(surfaces, join_tolerance(surfaces))
+}
+
 /// How far apart points of two streamlines may be to be the same.
 fn join_tolerance(surfaces: &[Surface]) -> f64 {
     1e-12 * diagonal(surfaces)
@@ -104,7 +109,7 @@ impl Seam {
             streamline::seam(&surfaces[from], &surfaces[to]).map(|of| Self { from, to, of })
         };
         let mut seams: Vec<_> = (1..surfaces.len()).filter_map(|to| between(to - 1, to)).collect();
-        let joined = join(surfaces, join_tolerance(surfaces));
+        let joined = joined(surfaces);
         if let (Some(first), Some(last)) = (joined.vertices.first(), joined.vertices.last())
             && last.row_count() > 1
             && first.row(0) == last.row(last.row_count() - 1)
@@ -143,8 +148,7 @@ pub(crate) fn swap(
     source: &Source,
     console: &Console,
 ) -> Result<f64, Failure> {
-    let given = join(surfaces, join_tolerance(surfaces));
-    let given = given.into_mesh().map_err(|e| Failure::new(format!("{source}: {e}")))?;
+    let given = joined(surfaces).into_mesh().map_err(|e| Failure::new(format!("{source}: {e}")))?;
     let size = diagonal(surfaces);
     for (i, patch) in models.patches.iter_mut().enumerate() {
         patch.model = streamline::swap(&surfaces[i], rows, columns)
@@ -294,7 +298,7 @@ pub(crate) fn json(surfaces: &[Surface]) -> Value {
 /// The mesh of all surfaces, with normals and $`(s, t)`$ as texture coordinates. Where the last
 /// streamline of one is the first of the next, or of the first, they share its vertices.
 pub(crate) fn mesh(surfaces: &[Surface], patches: &[Patch]) -> Result<MeshData, fairform::Error> {
-    let Joined { positions, faces, vertices } = join(surfaces, join_tolerance(surfaces));
+    let Joined { positions, faces, vertices } = joined(surfaces);
     let mut uvs: Vec<Option<[f64; 2]>> = vec![None; positions.len()];
     let (mut corner_uvs, mut patch_of_face) = (Vec::new(), Vec::new());
     // Whether a shared vertex has different parameters on its two sides.

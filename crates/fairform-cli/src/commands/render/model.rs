@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use fairform::streamline::{self, Model};
-use fairform::{Faces, Vec3, fairness};
+use fairform::{Vec3, fairness};
 use fairform_io::MeshData;
 use fairform_io::streamline::{Contents, Curve, EXTENSION};
 use fairform_render::{Directions, Line, ModelView, Part, Show, SphereView, View};
@@ -140,21 +140,28 @@ fn in_space<'a>(
         }
     };
     let mut sheet = Sheet { shown: view.shows(Show::Surface), ..Sheet::of_model(path) };
-    let (mut normals, mut corners) = (Vec::new(), Vec::new());
-    for model in models {
+    let refined = models.into_iter().map(|model| {
         let depth = depth.unwrap_or(model.depth);
-        let surface = streamline::Surface::new(Model { depth, ..model }).map_err(at(path))?;
-        let mut parts = view.parts(&surface);
+        streamline::Surface::new(Model { depth, ..model }).map_err(at(path))
+    });
+    let surfaces = refined.collect::<Result<Vec<_>, _>>()?;
+    let joined = models::joined(&surfaces);
+    let mut normals = vec![Vec3::ZERO; joined.positions.len()];
+    for (surface, vertices) in surfaces.iter().zip(&joined.vertices) {
+        let mut parts = view.parts(surface);
         let mesh = parts.remove(0);
-        let first = sheet.data.positions.len() as u32;
-        normals.extend(whole_normals(&surface, &mesh, path)?);
-        corners.extend(mesh.faces.corners().iter().map(|v| first + v));
-        sheet.data.positions.extend(mesh.positions);
+        let number = |v: u32| vertices.values()[v as usize];
+        for (v, normal) in (0..).zip(whole_normals(surface, &mesh, path)?) {
+            normals[number(v) as usize] += normal;
+        }
         let strokes = mesh.strokes.into_iter();
-        sheet.strokes.extend(strokes.map(|(ends, line)| (ends.map(|v| first + v), line)));
+        sheet.strokes.extend(strokes.map(|(ends, line)| (ends.map(number), line)));
         sheet.parts.extend(parts);
     }
-    sheet.data.faces = Faces::uniform(4, corners);
+    // On both sides of a seam the same.
+    normals.iter_mut().for_each(|n| *n = n.normalized());
+    sheet.data.positions = joined.positions;
+    sheet.data.faces = joined.faces;
     sheet.data.normals = Some(normals);
     Ok(sheet)
 }
