@@ -105,7 +105,9 @@ fn what(args: &Streamline, path: &Path) -> Result<Output, Failure> {
         let is_model = name.ends_with(streamline::EXTENSION);
         return match args.writing.to {
             Some(Format::Obj) => Ok(Output::SplinesObj),
-            None if name.ends_with(".obj") => Ok(Output::SplinesObj),
+            None if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj")) => {
+                Ok(Output::SplinesObj)
+            }
             None if is_result && !is_model => Ok(Output::SplinesJson),
             _ => Err(Failure::usage("a B-spline surface is written as OBJ or JSON")
                 .help("let the name end in .obj or .json, but not in .streamline.json")),

@@ -191,8 +191,10 @@ pub fn join(surfaces: &[Surface], tolerance: f64) -> Joined {
         numbers.extend(next..next + new.len() as u32);
         joined.positions.extend_from_slice(&points.values()[new]);
         if closing {
-            let first = joined.vertices.first().map_or(&numbers[..columns], |grid| grid.row(0));
-            numbers.extend_from_slice(&first.to_vec());
+            match joined.vertices.first() {
+                Some(first) => numbers.extend_from_slice(first.row(0)),
+                None => numbers.extend_from_within(..columns),
+            }
         }
         for face in grid_faces(rows, columns).iter() {
             let corners: Vec<u32> = face.iter().map(|&v| numbers[v as usize]).collect();
