@@ -239,6 +239,7 @@ fn a_closed_duct_has_two_boundaries() {
     let stats = folder.ok("streamline duct.json --stats --json").json();
     let seams = stats["stats"]["seams"].as_array().unwrap();
     assert_eq!(seams.len(), 1);
+    assert_eq!(stats["vertices"], mesh.positions.len());
     assert_eq!((&seams[0]["patches"], &seams[0]["gap"]), (&json!([0, 0]), &json!(0.0)));
 }
 

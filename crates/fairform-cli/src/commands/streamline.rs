@@ -125,14 +125,10 @@ fn what(args: &Streamline, path: &Path) -> Result<Output, Failure> {
     input::check_mesh(path, &args.writing).map(|()| Output::Mesh)
 }
 
-/// Vertices and faces of the surfaces, each by itself.
+/// Vertices and faces of the mesh of all surfaces.
 fn sizes(surfaces: &[Surface]) -> (usize, usize) {
-    let vertices = surfaces.iter().map(|s| s.points().values().len()).sum();
-    let faces = surfaces.iter().map(|s| {
-        let (rows, columns) = (s.points().row_count(), s.points().column_count());
-        rows.saturating_sub(1) * columns.saturating_sub(1)
-    });
-    (vertices, faces.sum())
+    let joined = models::joined(surfaces);
+    (joined.positions.len(), joined.faces.len())
 }
 
 fn report(
