@@ -291,9 +291,9 @@ pub(crate) struct Render {
     #[arg(long, default_value = "1200x900", value_name = "WxH", value_parser = size)]
     pub(crate) size: (u32, u32),
     /// front, back, left, right, top, bottom, iso, or AZIMUTH,ELEVATION in degrees; with ",z" if z is
-    /// up.
-    #[arg(long, default_value = "iso", allow_hyphen_values = true)]
-    pub(crate) view: View,
+    /// up [default: the `display.view` of the first model that has one, else iso].
+    #[arg(long, allow_hyphen_values = true)]
+    pub(crate) view: Option<View>,
     /// Magnify.
     #[arg(long, default_value_t = 1.0, value_parser = positive)]
     pub(crate) zoom: f64,
@@ -467,11 +467,15 @@ pub(crate) struct Curve {
     after_help = "MODEL is JSON; the guide describes it, and --new writes one to begin with. \
     SURFACE is a mesh of quadrilaterals with (s, t) as texture coordinates; or, if it ends in .json, \
     the refined tangents, parameters and points; or, if it ends in .streamline.json, the model itself \
-    with the options applied.\n\nExamples:\n  \
+    with the options applied. Where the last streamline of a patch is the first of the next, to 1e-12 \
+    of the diagonal, they share its vertices; where that of the last is the first of all, the surface \
+    is closed.\n\nExamples:\n  \
     fairform streamline --new wave -o wave.streamline.json\n  \
     fairform streamline wave.streamline.json -o wave.ply\n  \
     fairform streamline wave.streamline.json -o fine.glb --depth 5 --integration arcs\n  \
-    fairform streamline wave.streamline.json --stats"
+    fairform streamline wave.streamline.json --stats\n  \
+    fairform streamline wave.streamline.json --swap 9x7 -o across.streamline.json\n  \
+    fairform streamline wave.streamline.json --bspline 1e-4 -o wave.obj"
 )]
 #[group(skip)]
 pub(crate) struct Streamline {
@@ -504,7 +508,16 @@ pub(crate) struct Streamline {
     /// Integrate straight from the middle between tangents to the next, or along circular arcs.
     #[arg(long, value_enum)]
     pub(crate) integration: Option<IntegrationChoice>,
-    /// Also say lengths, curvature along the streamlines, and bending energy.
+    /// Exchange the roles of s and t: the surface by streamlines that run across those of the model, so
+    /// many and with so many tangents each, taken from its refined surface, to which they are near.
+    #[arg(long, value_name = "ROWSxCOLUMNS", value_parser = grid)]
+    pub(crate) swap: Option<[usize; 2]>,
+    /// Write a bicubic B-spline surface instead, one for each patch, within this fraction of the
+    /// diagonal of the bounding box of the surface, which is refined by arcs until it can be told: as a
+    /// free-form surface if SURFACE ends in .obj, as degrees, knots and control points if in .json.
+    #[arg(long, value_name = "TOLERANCE", value_parser = positive, requires = "output")]
+    pub(crate) bspline: Option<f64>,
+    /// Also say lengths, curvature along the streamlines, bending energy, and how well patches join.
     #[arg(long)]
     pub(crate) stats: bool,
 }
@@ -743,6 +756,17 @@ fn sphere(text: &str) -> Result<Sphere, String> {
                 .ok_or_else(|| "expected rows, columns or numbers, as in 0,2".into())
         }
     }
+}
+
+fn grid(text: &str) -> Result<[usize; 2], String> {
+    let parse = || {
+        let (rows, columns) = text.split_once(['x', 'X', '×'])?;
+        Some([rows.trim().parse().ok()?, columns.trim().parse().ok()?])
+    };
+    let fits = |size: &[usize; 2]| size.iter().all(|n| (2..1 << 20).contains(n));
+    parse()
+        .filter(fits)
+        .ok_or_else(|| "expected ROWSxCOLUMNS, at least 2 of each, for example 9x7".into())
 }
 
 fn size(text: &str) -> Result<(u32, u32), String> {

@@ -3,9 +3,11 @@
 use std::fmt::Display;
 
 use fairform::sphere::{Ends, Step};
-use fairform::streamline::{Grid, InitialCurve, Model, Order, Surface};
-use fairform::{Faces, Mesh, Vec3, fairness};
-use fairform_io::streamline::{Contents, Curve, Models, Patch};
+use fairform::streamline::{
+    self, BsplineSurface, Grid, InitialCurve, Joined, Model, Order, Surface, join,
+};
+use fairform::{Bounds, Mesh, Vec3, fairness};
+use fairform_io::streamline::{Contents, Curve, Models, Patch, Stitch};
 use fairform_io::{Labels, MeshData};
 use serde_json::{Value, json};
 
@@ -42,16 +44,210 @@ pub(crate) fn surfaces(
     source: &Source,
     console: &Console,
 ) -> Result<Vec<Surface>, Failure> {
-    let all = models.patches.iter().enumerate();
-    all.map(|(i, patch)| {
+    let stitched = stitched(models, source)?;
+    let all = stitched.into_iter().enumerate();
+    let made = all.map(|(i, model)| {
         let place = place(source, models, i);
-        check_memory(&patch.model, &place)?;
-        for warning in patch.model.warnings() {
+        check_memory(&model, &place)?;
+        for warning in model.warnings() {
             console.note(format!("warning: {place}: {warning}"));
         }
-        Surface::new(patch.model.clone()).map_err(|e| Failure::new(format!("{place}: {e}")))
+        Surface::new(model).map_err(|e| Failure::new(format!("{place}: {e}")))
+    });
+    let surfaces = made.collect::<Result<Vec<_>, _>>()?;
+    if models.stitch != Stitch::None {
+        let tolerance = join_tolerance(&surfaces);
+        for seam in Seam::all(&surfaces).into_iter().filter(|s| s.to > s.from) {
+            if seam.of.gap > tolerance {
+                console.note(format!(
+                    "warning: {}: stitched to patches[{}], but up to {} away from it, for length or \
+                     details differ",
+                    place(source, models, seam.to),
+                    seam.from,
+                    short(seam.of.gap)
+                ));
+            }
+        }
+    }
+    Ok(surfaces)
+}
+
+/// All models, stitched as the file says.
+pub(crate) fn stitched(models: &Models, source: &Source) -> Result<Vec<Model>, Failure> {
+    models.stitched().map_err(|(i, error)| {
+        let place = place(source, models, i);
+        Failure::new(format!("{place}: cannot be stitched to patches[{}]: {error}", i - 1))
     })
-    .collect()
+}
+
+/// Length of the diagonal of the box around all surfaces.
+pub(crate) fn diagonal(surfaces: &[Surface]) -> f64 {
+    Bounds::of(surfaces.iter().flat_map(|s| s.points().values()).copied()).diagonal()
+}
+
+/// All surfaces, with the vertices of shared streamlines in common.
+pub(crate) fn joined(surfaces: &[Surface]) -> Joined {
+    join(surfaces, join_tolerance(surfaces))
+}
+
+/// How far apart points of two streamlines may be to be the same.
+fn join_tolerance(surfaces: &[Surface]) -> f64 {
+    1e-12 * diagonal(surfaces)
+}
+
+/// Where a patch ends and another, or the first again, begins.
+pub(crate) struct Seam {
+    from: usize,
+    to: usize,
+    of: streamline::Seam,
+}
+
+impl Seam {
+    /// Between one patch and the next, and from the last to the first where they join.
+    fn all(surfaces: &[Surface]) -> Vec<Self> {
+        let between = |from: usize, to: usize| {
+            streamline::seam(&surfaces[from], &surfaces[to]).map(|of| Self { from, to, of })
+        };
+        let mut seams: Vec<_> = (1..surfaces.len()).filter_map(|to| between(to - 1, to)).collect();
+        let joined = joined(surfaces);
+        if let (Some(first), Some(last)) = (joined.vertices.first(), joined.vertices.last())
+            && last.row_count() > 1
+            && first.row(0) == last.row(last.row_count() - 1)
+        {
+            seams.extend(between(surfaces.len() - 1, 0));
+        }
+        seams
+    }
+
+    fn json(&self) -> Value {
+        json!({
+            "patches": [self.from, self.to],
+            "gap": self.of.gap,
+            "tangent_degrees": self.of.tangent_angle.to_degrees(),
+            "plane_degrees": self.of.plane_angle.to_degrees(),
+        })
+    }
+
+    fn text(&self) -> String {
+        format!(
+            "patches {} and {}: gap {}, tangents {}°, planes {}°",
+            self.from,
+            self.to,
+            short(self.of.gap),
+            short(self.of.tangent_angle.to_degrees()),
+            short(self.of.plane_angle.to_degrees())
+        )
+    }
+}
+
+/// Exchanges the roles of s and t in all models; how far the new surfaces are from the old ones.
+pub(crate) fn swap(
+    models: &mut Models,
+    surfaces: &mut Vec<Surface>,
+    [rows, columns]: [usize; 2],
+    source: &Source,
+    console: &Console,
+) -> Result<f64, Failure> {
+    let given = joined(surfaces).into_mesh().map_err(|e| Failure::new(format!("{source}: {e}")))?;
+    let size = diagonal(surfaces);
+    for (i, patch) in models.patches.iter_mut().enumerate() {
+        patch.model = streamline::swap(&surfaces[i], rows, columns)
+            .map_err(|e| Failure::new(format!("{source}: {e}")))?;
+        let tangents = &patch.model.tangents;
+        let made = [tangents.row_count(), tangents.column_count()];
+        if made != [rows, columns] {
+            console.note(format!(
+                "warning: {source}: {} × {} tangents, for the refined surface has no more points; \
+                 refine it with --depth",
+                made[0], made[1]
+            ));
+        }
+    }
+    models.stitch = Stitch::None;
+    *surfaces = self::surfaces(models, source, console)?;
+    let points: Vec<Vec3> = surfaces.iter().flat_map(|s| s.points().values()).copied().collect();
+    let distance = fairness::deviation(&points, &given).max;
+    console.note(format!(
+        "swapped: the points of the new surface are at most {} from the mesh of the given one, {} of \
+         the diagonal",
+        short(distance),
+        short(if size > 0.0 { distance / size } else { 0.0 })
+    ));
+    Ok(distance)
+}
+
+/// B-spline surfaces within a tolerance, a fraction of the diagonal.
+pub(crate) fn bsplines(
+    models: &Models,
+    surfaces: &[Surface],
+    tolerance: f64,
+    source: &Source,
+    console: &Console,
+) -> Result<Vec<BsplineSurface>, Failure> {
+    let size = diagonal(surfaces);
+    let progress = console.progress();
+    let all = surfaces.iter().enumerate();
+    let all = all.map(|(i, surface)| {
+        let place = place(source, models, i);
+        if surface.points().row_count() < 2 {
+            return Err(Failure::new(format!("{place}: one streamline is no surface")));
+        }
+        progress.say(format!("{place}: fitting a B-spline surface"));
+        BsplineSurface::fit(surface.model(), tolerance * size).map_err(|error| match error {
+            streamline::Error::Tolerance { best } => Failure::new(format!(
+                "{place}: not within {tolerance:e} of the diagonal: the nearest B-spline surface found \
+                 deviates by {:.3e}",
+                best / size
+            )),
+            other => Failure::new(format!("{place}: {other}")),
+        })
+    });
+    let splines = all.collect::<Result<Vec<_>, _>>()?;
+    drop(progress);
+    for (i, spline) in splines.iter().enumerate() {
+        console.note(format!(
+            "{}: {} × {} control points, at most {:.3e} of the diagonal away",
+            place(source, models, i),
+            spline.points.column_count(),
+            spline.points.row_count(),
+            spline.deviation / size
+        ));
+    }
+    Ok(splines)
+}
+
+/// B-spline surfaces with names of their patches.
+pub(crate) fn bsplines_obj(
+    splines: &[BsplineSurface],
+    patches: &[Patch],
+) -> Result<Vec<u8>, Failure> {
+    let names: Vec<String> = match patches {
+        [one] => vec![one.name.clone().unwrap_or_default()],
+        several => (1..).zip(several).map(|(i, patch)| name(several, i, patch)).collect(),
+    };
+    let named: Vec<_> = names.iter().map(String::as_str).zip(splines).collect();
+    let mut out = Vec::new();
+    fairform_io::streamline::encode_bsplines(&named, &mut out)?;
+    Ok(out)
+}
+
+/// Degrees, knots, control points and deviations.
+pub(crate) fn bsplines_json(splines: &[BsplineSurface]) -> Value {
+    let one = |spline: &BsplineSurface| {
+        let [u, v] = spline.knots();
+        json!({
+            "degree": [3, 3],
+            "knots": { "u": u, "v": v },
+            "points": vector_rows(&spline.points),
+            "deviation": spline.deviation,
+        })
+    };
+    one_or_patches(splines.iter().map(one).collect())
+}
+
+/// The value of one surface by itself, those of several as patches.
+fn one_or_patches(mut all: Vec<Value>) -> Value {
+    if all.len() == 1 { all.remove(0) } else { json!({ "patches": all }) }
 }
 
 /// Rows and columns of the refined tangents; none where the scheme takes no such grid.
@@ -96,33 +292,43 @@ pub(crate) fn json(surfaces: &[Surface]) -> Value {
             "points": vector_rows(surface.points()),
         })
     };
-    match surfaces {
-        [surface] => one(surface),
-        several => json!({ "patches": several.iter().map(one).collect::<Vec<_>>() }),
-    }
+    one_or_patches(surfaces.iter().map(one).collect())
 }
 
 /// The mesh of all surfaces, with normals and $`(s, t)`$ as texture coordinates. Where the last
-/// streamline of one is the first of the next, to the bit, they share its vertices.
+/// streamline of one is the first of the next, or of the first, they share its vertices.
 pub(crate) fn mesh(surfaces: &[Surface], patches: &[Patch]) -> Result<MeshData, fairform::Error> {
-    let mut builder = Builder::default();
-    for surface in surfaces {
-        builder.add(surface);
+    let Joined { positions, faces, vertices } = joined(surfaces);
+    let mut uvs: Vec<Option<[f64; 2]>> = vec![None; positions.len()];
+    let (mut corner_uvs, mut patch_of_face) = (Vec::new(), Vec::new());
+    // Whether a shared vertex has different parameters on its two sides.
+    let mut seam = false;
+    for ((surface, vertices), patch) in surfaces.iter().zip(&vertices).zip(0..) {
+        let parameters = surface.parameters();
+        for (&v, &uv) in vertices.values().iter().zip(parameters.values()) {
+            seam |= *uvs[v as usize].get_or_insert(uv) != uv;
+        }
+        for k in 1..parameters.row_count() {
+            for i in 1..parameters.column_count() {
+                let corners = [(k - 1, i - 1), (k - 1, i), (k, i), (k, i - 1)];
+                corner_uvs.extend(corners.map(|place| parameters[place]));
+                patch_of_face.push(patch);
+            }
+        }
     }
-    let mesh = Mesh::new(builder.positions, &builder.faces)?;
+    let mesh = Mesh::new(positions, &faces)?;
     let normals = fairness::vertex_normals(mesh.topology(), mesh.positions());
-    let corner_uvs = builder.seam.then_some(builder.corner_uvs);
     let groups = (patches.len() > 1).then(|| Labels {
         names: (1..).zip(patches).map(|(i, patch)| name(patches, i, patch)).collect(),
-        of_face: builder.patch_of_face,
+        of_face: patch_of_face,
     });
     Ok(MeshData {
         normals: Some(normals),
-        uvs: corner_uvs.is_none().then_some(builder.uvs),
-        corner_uvs,
+        uvs: (!seam).then(|| uvs.into_iter().map(Option::unwrap_or_default).collect()),
+        corner_uvs: seam.then_some(corner_uvs),
         groups,
         positions: mesh.into_positions(),
-        faces: builder.faces,
+        faces,
         ..MeshData::default()
     })
 }
@@ -136,45 +342,6 @@ fn name(patches: &[Patch], number: usize, patch: &Patch) -> String {
     }
 }
 
-#[derive(Default)]
-struct Builder {
-    positions: Vec<Vec3>,
-    uvs: Vec<[f64; 2]>,
-    faces: Faces,
-    corner_uvs: Vec<[f64; 2]>,
-    patch_of_face: Vec<u32>,
-    /// Whether a shared vertex has different parameters in its patches.
-    seam: bool,
-    patch_count: u32,
-    /// Points of the last streamline of the patch before.
-    last: Vec<Vec3>,
-}
-
-impl Builder {
-    fn add(&mut self, surface: &Surface) {
-        let (points, uvs) = (surface.points(), surface.parameters());
-        let (rows, columns) = (points.row_count(), points.column_count());
-        let shared = self.last.as_slice() == points.row(0);
-        let first = self.positions.len() - if shared { columns } else { 0 };
-        if shared {
-            self.seam |= self.uvs[first..] != *uvs.row(0);
-        }
-        let new = usize::from(shared) * columns;
-        self.positions.extend_from_slice(&points.values()[new..]);
-        self.uvs.extend_from_slice(&uvs.values()[new..]);
-        for k in 1..rows {
-            for i in 1..columns {
-                let corners = [(k - 1, i - 1), (k - 1, i), (k, i), (k, i - 1)];
-                self.faces.push(&corners.map(|(k, i)| (first + k * columns + i) as u32));
-                self.corner_uvs.extend(corners.map(|place| uvs[place]));
-                self.patch_of_face.push(self.patch_count);
-            }
-        }
-        self.patch_count += 1;
-        self.last = points.row(rows - 1).to_vec();
-    }
-}
-
 /// Numbers of streamline surfaces, over all patches.
 pub(crate) struct Statistics {
     streamlines: usize,
@@ -185,6 +352,7 @@ pub(crate) struct Statistics {
     curvature_mean: f64,
     variation_max: f64,
     bending_energy: f64,
+    seams: Vec<Seam>,
 }
 
 impl Statistics {
@@ -200,6 +368,7 @@ impl Statistics {
             curvature_mean: 0.0,
             variation_max: 0.0,
             bending_energy: 0.0,
+            seams: Seam::all(surfaces),
         };
         let (mut turn, mut total) = (0.0, 0.0);
         for surface in surfaces {
@@ -235,6 +404,7 @@ impl Statistics {
             "curvature": { "max": self.curvature_max, "mean": self.curvature_mean },
             "variation_max": self.variation_max,
             "bending_energy": self.bending_energy,
+            "seams": self.seams.iter().map(Seam::json).collect::<Vec<_>>(),
         })
     }
 
@@ -243,7 +413,7 @@ impl Statistics {
             (from, to) if from == to => from,
             (from, to) => format!("{from} to {to}"),
         };
-        vec![
+        let mut rows = vec![
             ("streamlines", count(self.streamlines)),
             ("tangents", count(self.tangents)),
             ("lengths", format!("{}; asked for were {}", range(self.length), range(self.asked))),
@@ -257,7 +427,9 @@ impl Statistics {
             ),
             ("variation", format!("at most {}", short(self.variation_max))),
             ("bending", short(self.bending_energy)),
-        ]
+        ];
+        rows.extend(self.seams.iter().map(|seam| ("seam", seam.text())));
+        rows
     }
 }
 
@@ -291,7 +463,12 @@ pub(crate) fn contents_rows(contents: &Contents) -> Vec<(&'static str, String)> 
                 rows.push(("name", name.clone()));
             }
             if several {
-                rows.push(("patches", count(models.patches.len())));
+                let stitch = match models.stitch {
+                    Stitch::None => "",
+                    Stitch::Shared => ", stitched",
+                    Stitch::Smooth => ", stitched smoothly",
+                };
+                rows.push(("patches", count(models.patches.len()) + stitch));
             }
             for (i, patch) in models.patches.iter().enumerate() {
                 if several {

@@ -75,3 +75,39 @@ fn options_that_do_not_fit_are_named() {
     let run = folder.run("render in.off car.streamline.json -o out.png --size 160x120");
     assert_eq!(run.code, Some(0), "{}", run.stderr);
 }
+
+/// The view of a model is taken where none is asked for.
+#[test]
+fn a_model_says_its_view() {
+    let folder = Folder::new();
+    folder.ok("streamline --new wave -o wave.streamline.json");
+    let mut model = folder.json("wave.streamline.json");
+    let mut picture = |view: serde_json::Value, option: &str| {
+        model["display"] = serde_json::json!({ "view": view, "colours": 3 });
+        folder.write("m.streamline.json", &model.to_string());
+        let run = folder.ok(&format!("render m.streamline.json -o p.png --size 160x120 {option}"));
+        (folder.bytes("p.png"), run.stderr)
+    };
+    let (top, iso) = (picture("top".into(), ""), picture("iso".into(), ""));
+    assert_ne!(top, iso);
+    assert_eq!(top, picture("front,z".into(), "--view top"));
+    assert_eq!(picture("30,20".into(), ""), picture("top".into(), "--view 30,20"));
+    // What another viewer wants is said, and does no harm.
+    for view in [serde_json::json!("nowhere"), serde_json::json!([1, 2, 3])] {
+        let (bytes, said) = picture(view.clone(), "");
+        assert_eq!(bytes, iso.0);
+        let words = format!("m.streamline.json: display.view: {view} is no view");
+        assert!(said.contains(&words), "{said}");
+    }
+    // The first that has one, of all.
+    folder.write("plain.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let two = |option: &str| {
+        folder.ok(&format!("render plain.obj m.streamline.json -o p.png --size 160x120 {option}"));
+        folder.bytes("p.png")
+    };
+    folder.write("m.streamline.json", &{
+        model["display"] = serde_json::json!({ "view": "left" });
+        serde_json::json!({ "patches": [model] }).to_string()
+    });
+    assert_eq!(two(""), two("--view left"));
+}

@@ -198,12 +198,6 @@ fn patches_share_their_streamlines() {
     let info = folder.ok("info two.obj --json").json();
     assert_eq!((&info["components"], &info["boundary_loops"]), (&json!(1), &json!(1)));
 
-    fs::copy(data("streamline/patches.streamline.json"), folder.path("p.streamline.json")).unwrap();
-    folder.ok("streamline p.streamline.json -o p.obj");
-    let mesh = folder.mesh("p.obj");
-    assert_eq!((mesh.positions.len(), mesh.faces.len()), (9 * 9, 8 * 8));
-    assert_eq!(mesh.groups.unwrap().names, ["level", "falling"]);
-
     // Other parameters in the second patch are a seam; other points a gap.
     let file = json!({ "patches": [patch([0.0, 1.0, 2.0], 0.0), patch([0.0, 1.0, 2.0], 2.0)] });
     folder.write("seam.json", &file.to_string());
@@ -220,6 +214,263 @@ fn patches_share_their_streamlines() {
 
     let info = folder.ok("info two.json").stdout;
     assert!(String::from_utf8(info).unwrap().contains("patches     2"));
+}
+
+/// A model whose last streamline is its first becomes a tube; its vertices are those of the rows, row by
+/// row, the last not repeated.
+#[test]
+fn a_closed_duct_has_two_boundaries() {
+    let folder = Folder::new();
+    fs::copy(data("streamline/duct.streamline.json"), folder.path("duct.json")).unwrap();
+    folder.ok("streamline duct.json -o duct.obj");
+    folder.ok("streamline duct.json -o points.json");
+    let result = folder.json("points.json");
+    let rows: Vec<Vec<Vec3>> = result["points"].as_array().unwrap().iter().map(points).collect();
+    let mesh = folder.mesh("duct.obj");
+    assert_eq!(rows.first(), rows.last());
+    assert_near(&mesh.positions, &rows[..rows.len() - 1].concat(), 1e-15, "duct");
+    assert_eq!(mesh.faces.len(), (rows.len() - 1) * (rows[0].len() - 1));
+    let info = folder.ok("info duct.obj --json").json();
+    assert_eq!((&info["components"], &info["boundary_loops"]), (&json!(1), &json!(2)));
+    // Texture coordinates do not run back along the seam.
+    let uvs = mesh.corner_uvs.unwrap();
+    let t = |v: &Value| v.as_f64().unwrap();
+    assert_eq!(uvs[uvs.len() - 2][1], t(result["t"].as_array().unwrap().last().unwrap()));
+    let stats = folder.ok("streamline duct.json --stats --json").json();
+    let seams = stats["stats"]["seams"].as_array().unwrap();
+    assert_eq!(seams.len(), 1);
+    assert_eq!(stats["vertices"], mesh.positions.len());
+    assert_eq!((&seams[0]["patches"], &seams[0]["gap"]), (&json!([0, 0]), &json!(0.0)));
+}
+
+#[test]
+fn a_stitched_bottle_is_whole() {
+    let folder = Folder::new();
+    fs::copy(data("streamline/bottle.streamline.json"), folder.path("b.streamline.json")).unwrap();
+    let stats = folder.ok("streamline b.streamline.json -o b.obj --stats --json").json();
+    let mesh = folder.mesh("b.obj");
+    assert_eq!((mesh.positions.len(), mesh.faces.len()), (160 * 65, 160 * 64));
+    assert_eq!(mesh.groups.unwrap().names, ["left", "right"]);
+    let info = folder.ok("info b.obj --json").json();
+    assert_eq!((&info["components"], &info["boundary_loops"]), (&json!(1), &json!(2)));
+    let seams = stats["stats"]["seams"].as_array().unwrap();
+    assert_eq!([&seams[0]["patches"], &seams[1]["patches"]], [&json!([0, 1]), &json!([1, 0])]);
+    for seam in seams {
+        let number = |name: &str| seam[name].as_f64().unwrap();
+        assert!(number("gap") < 1e-15 && number("tangent_degrees") < 1e-12, "{seam}");
+        assert!(number("plane_degrees") < 6.0, "{seam}");
+    }
+    let text = folder.ok("streamline b.streamline.json --stats").stdout;
+    let text = String::from_utf8(text).unwrap();
+    assert!(text.contains("seam         patches 0 and 1: gap 0, tangents 0°, planes "), "{text}");
+    let info = String::from_utf8(folder.ok("info b.streamline.json").stdout).unwrap();
+    assert!(info.contains("2, stitched smoothly"), "{info}");
+    // What is written is what was designed.
+    folder.ok("streamline b.streamline.json -o copy.streamline.json");
+    assert_eq!(folder.json("copy.streamline.json")["stitch"], "smooth");
+    folder.ok("streamline copy.streamline.json -o copy.obj");
+    assert_eq!(folder.bytes("copy.obj"), folder.bytes("b.obj"));
+}
+
+#[test]
+fn stitching_says_what_cannot_be() {
+    let folder = Folder::new();
+    let patch = |scheme: &str, length: f64| {
+        json!({
+            "tangents": vec![vec![[0.8, 0.6, 0.0], [1.0, 0.0, 0.0], [0.8, -0.6, 0.0]]; 3],
+            "lengths": [length, length, length], "t": [0, 1, 2], "depth": 1, "scheme": scheme,
+            "initial": { "type": "polyline", "points": [[0, 0, 0], [0, 0, -2]], "t": [0, 2] },
+        })
+    };
+    let write = |first: Value, second: Value| {
+        folder.write("m.json", &json!({ "stitch": true, "patches": [first, second] }).to_string());
+    };
+    write(patch("kobbelt", 4.0), patch("doo-sabin", 5.0));
+    let run = folder.ok("streamline m.json -o m.obj");
+    assert!(!run.stderr.contains("warning"), "{}", run.stderr);
+    assert_eq!(folder.mesh("m.obj").positions.len(), 9 * 6);
+    write(patch("doo-sabin", 4.0), patch("kobbelt", 5.0));
+    folder.fails(
+        "streamline m.json -o m.obj",
+        1,
+        "m.json: patches[1]: cannot be stitched to patches[0]: scheme: doo-sabin with natural ends",
+    );
+    fs::copy(folder.path("m.json"), folder.path("m.streamline.json")).unwrap();
+    let words = "m.streamline.json: patches[1]: cannot be stitched to patches[0]: scheme";
+    folder.fails("render m.streamline.json -o m.png", 1, words);
+    folder.fails("render m.streamline.json -o m.png --sphere", 1, words);
+    // With what the options say.
+    folder.ok("streamline m.json -o m.obj --ends clamped");
+    let mut longer = patch("kobbelt", 4.0);
+    longer["length"] = json!({ "type": "polyline", "lengths": [6, 6], "t": [0, 2] });
+    write(patch("kobbelt", 4.0), longer);
+    let run = folder.ok("streamline m.json -o m.obj");
+    assert!(
+        run.stderr.contains("warning: m.json: patches[1]: stitched to patches[0], but up to"),
+        "{}",
+        run.stderr
+    );
+    assert_eq!(folder.mesh("m.obj").positions.len(), 10 * 6);
+}
+
+#[test]
+fn exchanged_directions_are_as_far_as_is_said() {
+    let folder = Folder::new();
+    folder.ok("streamline --new wave -o wave.streamline.json");
+    folder.ok("streamline wave.streamline.json -o wave.obj");
+    let given = folder.mesh("wave.obj");
+    let given = fairform::Mesh::new(given.positions, &given.faces).unwrap();
+    let mut before = f64::INFINITY;
+    for size in [5, 9, 17] {
+        let run = folder.ok(&format!(
+            "streamline wave.streamline.json --swap {size}x{} -o across.obj --json",
+            2 * size - 1
+        ));
+        let distance = run.json()["swap"]["distance"].as_f64().unwrap();
+        let points = folder.mesh("across.obj").positions;
+        let expected = fairform::fairness::deviation(&points, &given).max;
+        assert!((distance - expected).abs() < 1e-12, "{distance} {expected}");
+        assert!(distance < 0.5 * before, "{size}: {distance} after {before}");
+        before = distance;
+        assert!(run.stderr.contains("swapped: the points of the new surface are at most"));
+    }
+    // The model that is written is that of the surface, and says how large it is.
+    let args = "streamline wave.streamline.json --swap 17x33 -o across";
+    folder.ok(&format!("{args}.streamline.json"));
+    folder.ok("streamline across.streamline.json -o again.obj");
+    assert_eq!(folder.bytes("again.obj"), folder.bytes("across.obj"));
+    let tangents = &folder.json("across.streamline.json")["tangents"];
+    assert_eq!(tangents.as_array().unwrap().len(), 17);
+    assert_eq!(tangents[0].as_array().unwrap().len(), 33);
+    let run = folder.ok("streamline wave.streamline.json --swap 1000x7 -o a.obj");
+    assert!(run.stderr.contains("50 × 7 tangents, for the refined surface has no more points"));
+    for wrong in ["9", "1x9", "9x", "ax9"] {
+        folder.fails(
+            &format!("streamline wave.streamline.json --swap {wrong} -o a.obj"),
+            2,
+            "--swap",
+        );
+    }
+}
+
+/// The free-form surface of an OBJ file, evaluated by de Boor's algorithm, straight from its statements.
+struct FreeForm {
+    control: Vec<Vec3>,
+    knots: [Vec<f64>; 2],
+}
+
+fn free_forms(text: &str) -> Vec<FreeForm> {
+    let text = text.replace("\\\n", " ");
+    let (mut vertices, mut surfaces) = (Vec::new(), Vec::new());
+    let (mut control, mut knots) = (Vec::new(), [vec![], vec![]]);
+    for line in text.lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let numbers = |from: usize| -> Vec<f64> {
+            words[from..].iter().map(|word| word.parse().unwrap()).collect()
+        };
+        match words[0] {
+            "v" => vertices.push(Vec3::new(numbers(1)[0], numbers(1)[1], numbers(1)[2])),
+            "cstype" => assert_eq!(line, "cstype bspline"),
+            "deg" => assert_eq!(line, "deg 3 3"),
+            "surf" => {
+                assert_eq!(numbers(1)[..4], [0.0, 1.0, 0.0, 1.0]);
+                control = numbers(5).iter().map(|&i| vertices[i as usize - 1]).collect();
+            }
+            "parm" => knots[usize::from(words[1] == "v")] = numbers(2),
+            "end" => surfaces.push(FreeForm { control: control.clone(), knots: knots.clone() }),
+            other => assert_eq!(other, "g"),
+        }
+    }
+    surfaces
+}
+
+fn de_boor(control: &[Vec3], knots: &[f64], u: f64) -> Vec3 {
+    assert_eq!(knots.len(), control.len() + 4);
+    let span = (3..control.len()).rev().find(|&i| knots[i] <= u).unwrap();
+    let mut d: Vec<Vec3> = control[span - 3..=span].to_vec();
+    for level in 1..=3 {
+        for j in (level..=3).rev() {
+            let (from, to) = (knots[span - 3 + j], knots[span + 1 + j - level]);
+            let a = (u - from) / (to - from);
+            d[j] = (1.0 - a) * d[j - 1] + a * d[j];
+        }
+    }
+    d[3]
+}
+
+impl FreeForm {
+    fn at(&self, u: f64, v: f64) -> Vec3 {
+        let columns = self.knots[0].len() - 4;
+        let rows = self.control.chunks_exact(columns);
+        let across: Vec<Vec3> = rows.map(|row| de_boor(row, &self.knots[0], u)).collect();
+        de_boor(&across, &self.knots[1], v)
+    }
+}
+
+#[test]
+fn bspline_surfaces_are_within_the_tolerance() {
+    let folder = Folder::new();
+    fs::copy(data("streamline/bottle.streamline.json"), folder.path("b.streamline.json")).unwrap();
+    folder.ok("streamline b.streamline.json -o fine.obj --depth 5");
+    let fine = folder.mesh("fine.obj");
+    let size = fairform::Bounds::of(fine.positions.iter().copied()).diagonal();
+    let fine = fairform::Mesh::new(fine.positions, &fine.faces).unwrap();
+    for tolerance in [1e-2, 1e-3, 1e-4] {
+        let args = format!("streamline b.streamline.json --bspline {tolerance} -o s");
+        let said = folder.ok(&format!("{args}.obj --json")).json();
+        folder.ok(&format!("{args}.json"));
+        let text = String::from_utf8(folder.bytes("s.obj")).unwrap();
+        assert!(text.contains("\ng left\n") && text.contains("\ng right\n"));
+        let surfaces = free_forms(&text);
+        assert_eq!(surfaces.len(), 2);
+        let result = folder.json("s.json");
+        for (i, surface) in surfaces.iter().enumerate() {
+            let places =
+                (0..=30).flat_map(|i| (0..=30).map(move |k| [i, k].map(|x| f64::from(x) / 30.0)));
+            let on: Vec<Vec3> = places.map(|[u, v]| surface.at(u, v)).collect();
+            let off = fairform::fairness::deviation(&on, &fine).max;
+            // Between the points to which it is fitted, and the mesh, it may be a little farther.
+            assert!(off < 1.2 * tolerance * size, "{tolerance}: {off}");
+            let deviation = result["patches"][i]["deviation"].as_f64().unwrap();
+            assert!(deviation <= tolerance * size);
+            assert_eq!(said["bspline"][i]["deviation"], deviation);
+            let rows = result["patches"][i]["points"].as_array().unwrap();
+            let control: Vec<Vec3> = rows.iter().flat_map(points).collect();
+            assert_eq!(control, surface.control);
+            for (k, name) in ["u", "v"].into_iter().enumerate() {
+                assert_eq!(result["patches"][i]["knots"][name], json!(surface.knots[k]));
+            }
+            assert_eq!(result["patches"][i]["degree"], json!([3, 3]));
+        }
+    }
+    // One surface by itself; and of exchanged directions.
+    folder.ok("streamline --new wave -o wave.streamline.json");
+    folder.ok("streamline wave.streamline.json --bspline 1e-3 -o w.json");
+    assert!(folder.json("w.json")["points"][0][0][2].is_number());
+    folder.ok("streamline wave.streamline.json --swap 9x9 --bspline 1e-3 -o w.obj");
+    assert_eq!(free_forms(&String::from_utf8(folder.bytes("w.obj")).unwrap()).len(), 1);
+    let names = folder.names();
+    for (args, code, words) in [
+        ("--bspline 1e-15 -o x.obj", 1, "not within 1e-15 of the diagonal: the nearest"),
+        ("--bspline 0 -o x.obj", 2, "a positive number"),
+        ("--bspline 1e-3 -o x.ply", 2, "a B-spline surface is written as OBJ or JSON"),
+        ("--bspline 1e-3 -o x.streamline.json", 2, "not in .streamline.json"),
+        ("--bspline 1e-3 --stats", 2, "--output"),
+    ] {
+        folder.fails(&format!("streamline wave.streamline.json {args}"), code, words);
+    }
+    assert_eq!(folder.names(), names);
+}
+
+/// The road from a streamline surface to a smooth one through its points.
+#[test]
+fn coarse_surfaces_can_be_fitted() {
+    let folder = Folder::new();
+    folder.ok("streamline --new car -o car.streamline.json");
+    folder.ok("streamline car.streamline.json --depth 1 -o coarse.obj");
+    folder.ok("fit coarse.obj --scheme catmull-clark -o smooth.ply");
+    let (coarse, smooth) = (folder.mesh("coarse.obj"), folder.mesh("smooth.ply"));
+    assert_eq!(smooth.faces.len(), 64 * coarse.faces.len());
 }
 
 #[test]

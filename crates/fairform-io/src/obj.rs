@@ -745,7 +745,7 @@ fn write_faces(
 }
 
 /// A name as a statement can hold it: on one line, no comment, no continuation.
-fn statement_name(name: &str) -> String {
+pub(crate) fn statement_name(name: &str) -> String {
     let line = name.replace(|c: char| c.is_control(), " ");
     let mut safe = line.trim().replace(" #", " _");
     if safe.starts_with('#') {

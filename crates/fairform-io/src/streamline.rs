@@ -17,7 +17,8 @@
 //! ```
 //!
 //! A row of `tangents` is a streamline. The JSON Schema in `docs/streamline.schema.json` describes all
-//! fields. A file may also hold several `patches`, or one [`Curve`].
+//! fields. A file may also hold several `patches`, stitched if
+//! `stitch` says so, or one [`Curve`].
 //!
 //! ```
 //! use fairform_io::streamline;
@@ -32,12 +33,13 @@ use std::io::Write;
 
 use fairform::Vec3;
 use fairform::sphere::Knots;
-use fairform::streamline::{self, Model};
+use fairform::streamline::{self, BsplineSurface, Model};
 use serde_json::Value;
 
 use crate::error::{Error, ParseError};
 use crate::gzip;
 
+mod bspline;
 mod node;
 mod reader;
 mod writer;
@@ -73,6 +75,39 @@ pub struct Models {
     pub display: Option<Value>,
     /// The models.
     pub patches: Vec<Patch>,
+    /// Whether each but the first begins where the one before ends; only with several.
+    pub stitch: Stitch,
+}
+
+/// Whether patches are made to share streamlines, see [`stitch`](streamline::stitch).
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Stitch {
+    /// They are as they are.
+    #[default]
+    None,
+    /// Each takes over the last streamline of the one before.
+    Shared,
+    /// Each also goes on from it smoothly.
+    Smooth,
+}
+
+impl Models {
+    /// The models as they are used: stitched, if the file says so.
+    ///
+    /// # Errors
+    /// With the number of the patch that cannot be stitched to the one before.
+    pub fn stitched(&self) -> Result<Vec<Model>, (usize, streamline::Error)> {
+        let mut models: Vec<Model> = self.patches.iter().map(|p| p.model.clone()).collect();
+        if self.stitch == Stitch::None {
+            return Ok(models);
+        }
+        for i in 1..models.len() {
+            let (before, rest) = models.split_at_mut(i);
+            streamline::stitch(&before[i - 1], &mut rest[0], self.stitch == Stitch::Smooth)
+                .map_err(|error| (i, error))?;
+        }
+        Ok(models)
+    }
 }
 
 /// A model, and what a file says beside it.
@@ -176,6 +211,24 @@ pub fn encode(models: &Models, out: &mut dyn Write) -> Result<(), Error> {
 /// As [`encode`].
 pub fn encode_curve(curve: &Curve, out: &mut dyn Write) -> Result<(), Error> {
     out.write_all(writer::curve(curve)?.as_bytes())?;
+    Ok(())
+}
+
+/// Writes B-spline surfaces, each with a name that may be empty, as free-form surfaces of OBJ: the
+/// control points as vertices, then `cstype bspline`, `deg 3 3`, `surf`, `parm u`, `parm v`, `end`.
+/// \[Wavefront, The Advanced Visualizer, appendix B1\]
+///
+/// # Errors
+/// [`Error::Unwritable`] for control points that are not finite; if the writer fails.
+pub fn encode_bsplines(
+    surfaces: &[(&str, &BsplineSurface)],
+    out: &mut dyn Write,
+) -> Result<(), Error> {
+    let finite = |s: &BsplineSurface| s.points.values().iter().all(|p| p.is_finite());
+    if !surfaces.iter().all(|(_, surface)| finite(surface)) {
+        return Err(Error::Unwritable("a control point is not finite".into()));
+    }
+    out.write_all(bspline::obj(surfaces).as_bytes())?;
     Ok(())
 }
 

@@ -33,8 +33,7 @@ static SEEDS: LazyLock<Vec<(Format, Vec<u8>)>> = LazyLock::new(|| {
 static MODELS: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     let golden = common::data().join("golden");
     // All that the fixtures have not.
-    let patches = common::data().join("streamline/patches.streamline.json");
-    let mut models = vec![fs::read(patches).unwrap()];
+    let mut models = vec![include_bytes!("all-fields.streamline.json").to_vec()];
     for folder in ["sphere", "streamline"] {
         for file in fs::read_dir(golden.join(folder)).unwrap() {
             let file: Value =

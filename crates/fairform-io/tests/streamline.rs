@@ -12,7 +12,7 @@ use fairform::sphere::{Blend, Ends, Knots, Rule};
 use fairform::streamline::{
     self, Detail, Grid, InitialCurve, Integration, LengthFunction, Model, Order, Start, Surface,
 };
-use fairform_io::streamline::{Contents, Curve, Models, Patch};
+use fairform_io::streamline::{Contents, Curve, Models, Patch, Stitch};
 use fairform_io::{Error, Place, streamline as files};
 use proptest::prelude::*;
 use schema::Schema;
@@ -95,17 +95,21 @@ fn reference_values_and_examples_fit_the_schema() {
         assert!(!schema.accepts(&fixture["result"]), "{name}");
     }
     let mut seen = 0;
-    for file in fs::read_dir(common::data().join("streamline")).unwrap() {
-        let path = file.unwrap().path();
+    let all_fields = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/all-fields.streamline.json");
+    let examples = fs::read_dir(common::data().join("streamline")).unwrap();
+    for path in examples.map(|file| file.unwrap().path()).chain([all_fields]) {
+        if path.extension().is_none_or(|e| e != "json") {
+            continue;
+        }
         let bytes = fs::read(&path).unwrap();
         let models = files::parse(&bytes).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
         assert!(schema.accepts(&serde_json::from_slice(&bytes).unwrap()), "{}", path.display());
-        for patch in models.patches {
-            Surface::new(patch.model).unwrap();
+        for model in models.stitched().unwrap() {
+            Surface::new(model).unwrap();
         }
         seen += 1;
     }
-    assert!(seen > 0);
+    assert!(seen > 6);
     for value in [small(), small_curve(), small_qi(), json!({ "patches": [small(), small()] })] {
         assert!(schema.accepts(&value), "{value}");
     }
@@ -537,6 +541,51 @@ fn several_patches_keep_their_names() {
     assert_eq!(files::parse(text(&models).as_bytes()).unwrap(), models);
 }
 
+/// Stitching is the kernel's, patch by patch, and the file keeps what is designed.
+#[test]
+fn patches_are_stitched_as_the_file_says() {
+    let tangents = json!([[[1, 0, 0], [0, 1, 0]], [[0, 1, 0], [1, 0, 0]], [[0, 0, 1], [1, 0, 0]]]);
+    let other = with(with(small(), "tangents", tangents), "lengths", json!([6, 7, 8]));
+    let list = json!([small(), other, small()]);
+    for (word, stitch) in [
+        (json!(false), Stitch::None),
+        (json!(true), Stitch::Shared),
+        (json!("smooth"), Stitch::Smooth),
+    ] {
+        let file = json!({ "patches": list, "stitch": word });
+        assert!(schema().accepts(&file));
+        let models = files::parse(file.to_string().as_bytes()).unwrap();
+        assert_eq!(models.stitch, stitch);
+        let given: Vec<Model> = models.patches.iter().map(|p| p.model.clone()).collect();
+        let stitched = models.stitched().unwrap();
+        assert_eq!(stitched[0], given[0]);
+        for i in 1..3 {
+            let mut expected = given[i].clone();
+            if stitch != Stitch::None {
+                let smooth = stitch == Stitch::Smooth;
+                streamline::stitch(&stitched[i - 1], &mut expected, smooth).unwrap();
+                assert_ne!(expected, given[i]);
+            }
+            assert_eq!(stitched[i], expected);
+        }
+        assert_eq!(files::parse(text(&models).as_bytes()).unwrap(), models);
+    }
+    for word in [json!("rough"), json!(1), json!(null)] {
+        let file = json!({ "patches": [small()], "stitch": word });
+        assert!(!schema().accepts(&file));
+        let found = message(&file);
+        assert!(found.starts_with(&format!("stitch: {word}; expected true, false or \"smooth\"")));
+    }
+    let natural = with(with(small(), "scheme", json!("doo-sabin")), "ends", json!("natural"));
+    let file = json!({ "patches": [small(), natural, small()], "stitch": true });
+    let mut models = files::parse(file.to_string().as_bytes()).unwrap();
+    // The second takes over the scheme of the first, and with it can be stitched to.
+    assert!(models.stitched().is_ok());
+    models.patches.remove(0);
+    let (index, error) = models.stitched().unwrap_err();
+    assert!(matches!((index, error), (1, streamline::Error::NotKept { .. })));
+}
+
 #[test]
 fn files_are_whole_and_may_be_packed() {
     let folder = tempfile::tempdir().unwrap();
@@ -661,9 +710,12 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(400) })]
 
     #[test]
-    fn models_come_back_to_the_bit(models in proptest::collection::vec(model(), 1..3)) {
+    fn models_come_back_to_the_bit(
+        models in proptest::collection::vec(model(), 1..3),
+        stitch in prop::sample::select(vec![Stitch::None, Stitch::Shared, Stitch::Smooth]),
+    ) {
         let patches: Vec<Patch> = models.into_iter().map(Patch::from).collect();
-        let models = Models { patches, ..Models::default() };
+        let models = Models { patches, stitch, ..Models::default() };
         let written = text(&models);
         let again = files::parse(written.as_bytes()).map_err(|e| {
             TestCaseError::fail(format!("{e} in {written}"))

@@ -48,7 +48,7 @@ pub use curve::{Curve, RefinedCurve};
 pub use error::{Error, Warning};
 pub use grid::{Grid, Rect};
 pub use initial::{InitialCurve, LengthFunction};
-pub use stitch::{Seam, join, seam, stitch};
+pub use stitch::{Joined, Seam, join, seam, stitch};
 pub use surface::{Changed, Surface};
 pub use swap::swap;
 

@@ -41,15 +41,65 @@ fn stitched_patches_share_a_streamline() {
             let seam = seam(&a, &b).unwrap();
             assert!(seam.gap < 1e-13, "{scheme} {order:?}: gap {}", seam.gap);
             assert!(seam.tangent_angle < 1e-14, "{scheme}: {}", seam.tangent_angle);
-            let mesh = join(&[a.clone(), b.clone()], 1e-9).unwrap();
+            let joined = join(&[a.clone(), b.clone()], 1e-9);
+            for (surface, vertices) in [&a, &b].into_iter().zip(&joined.vertices) {
+                for (p, &v) in surface.points().values().iter().zip(vertices.values()) {
+                    assert!((joined.positions[v as usize] - *p).length() < 1e-13);
+                }
+            }
+            let mesh = joined.into_mesh().unwrap();
             let shared = a.points().column_count();
             let all = a.points().values().len() + b.points().values().len();
             assert_eq!(mesh.topology().vertex_count(), all - shared);
             assert_eq!(mesh.topology().boundary_loops().len(), 1);
             // Too far apart to be joined.
-            assert_eq!(join(&[a, b], -1.0).unwrap().topology().boundary_loops().len(), 2);
+            let apart = join(&[a, b], -1.0).into_mesh().unwrap();
+            assert_eq!(apart.topology().boundary_loops().len(), 2);
         }
     }
+}
+
+/// Streamlines straight along x through corners of a prism over the y-z plane, from corner to corner.
+fn side(corners: std::ops::RangeInclusive<usize>, of: usize) -> Surface {
+    let corner = |k: usize| {
+        let angle = std::f64::consts::TAU * (k % of) as f64 / of as f64;
+        Vec3::new(0.0, angle.cos(), angle.sin())
+    };
+    let t: Vec<f64> = corners.clone().map(|k| k as f64).collect();
+    let points = corners.map(corner).collect();
+    let initial = InitialCurve::Polyline { points, t: t.clone() };
+    let grid = Grid::filled(t.len(), 2, Vec3::new(1.0, 0.0, 0.0));
+    Surface::new(Model::new(grid, &vec![2.0; t.len()], t, initial)).unwrap()
+}
+
+#[test]
+fn patches_round_a_tube_are_closed() {
+    // One patch, several, with what is not shared in between, and too few to be a tube.
+    for (patches, vertices, loops) in [
+        (vec![side(0..=5, 5)], 5, 2),
+        (vec![side(0..=2, 5), side(2..=5, 5)], 5, 2),
+        (vec![side(0..=1, 3), side(1..=2, 3), side(2..=3, 3)], 3, 2),
+        (vec![side(0..=1, 5), side(2..=3, 5), side(3..=5, 5)], 5, 1),
+        (vec![side(0..=1, 5), side(3..=5, 5)], 4, 1),
+        (vec![side(0..=4, 5)], 5, 1),
+        (vec![side(0..=2, 2)], 3, 1),
+    ] {
+        let joined = join(&patches, 0.0);
+        let columns = patches[0].points().column_count();
+        assert_eq!(joined.positions.len(), vertices * columns);
+        let faces: usize = patches.iter().map(|p| (p.t().len() - 1) * (columns - 1)).sum();
+        assert_eq!(joined.faces.len(), faces);
+        // In order of first use, row by row.
+        let mut next = 0;
+        for &v in joined.vertices.iter().flat_map(Grid::values) {
+            assert!(v <= next);
+            next = next.max(v + 1);
+        }
+        let mesh = joined.into_mesh().unwrap();
+        assert_eq!(mesh.topology().boundary_loops().len(), loops);
+        assert_eq!(mesh.topology().vertex_count(), vertices * columns);
+    }
+    assert_eq!(join(&[], 1.0).positions, []);
 }
 
 /// Where a patch goes on smoothly, the angle between the planes halves with each step; without, a

@@ -27,10 +27,18 @@ use model::Sheet;
 pub(crate) fn run(args: &Render, console: &Console) -> Result<ExitCode, Failure> {
     check_picture(&args.output)?;
     input::check_outputs(&[&args.output], console)?;
+    let mut models = Vec::new();
+    for path in args.inputs.iter().filter(|path| model::is_model(path)) {
+        models.push((path, fairform_io::streamline::read_any(path)?));
+    }
+    let said = || models.iter().find_map(|(path, contents)| model::view(path, contents, console));
+    let view = args.view.or_else(said).unwrap_or_default();
+    let mut models = models.iter();
     let mut sheets = Vec::new();
     for path in &args.inputs {
         if model::is_model(path) {
-            sheets.extend(model::sheets(path, args)?);
+            let contents = models.next().map(|(_, contents)| contents);
+            sheets.extend(contents.map_or(Ok(vec![]), |c| model::sheets(path, c, args, &view))?);
         } else {
             let data = input::read(&Source { path, format: args.from }, console)?;
             sheets.push(Sheet::of_mesh(path, data));
@@ -68,7 +76,7 @@ pub(crate) fn run(args: &Render, console: &Console) -> Result<ExitCode, Failure>
     let shared = !args.separate;
     let options =
         Options { background, shared, ground: solid, shadows: solid, ..Options::default() };
-    let view = View { zoom: args.zoom, ..args.view };
+    let view = View { zoom: args.zoom, ..view };
     let progress = console.progress();
     progress.say("drawing");
     let picture = fairform_render::render(&panels, &view, args.size, &options)?;

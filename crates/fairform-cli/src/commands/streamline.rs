@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use fairform::Vec3;
 use fairform::sphere::blend;
-use fairform::streamline::{Grid, InitialCurve, Model, Surface};
+use fairform::streamline::{BsplineSurface, Grid, InitialCurve, Model, Surface};
 use fairform_io::Format;
 use fairform_io::streamline::{self, Models, Patch};
 use serde_json::{Value, json};
@@ -27,6 +27,10 @@ enum Output {
     /// Refined tangents, parameters and points.
     Result,
     Model,
+    /// B-spline surfaces as OBJ.
+    SplinesObj,
+    /// B-spline surfaces as JSON.
+    SplinesJson,
 }
 
 pub(crate) fn run(args: &Streamline, console: &Console) -> Result<ExitCode, Failure> {
@@ -48,7 +52,11 @@ pub(crate) fn run(args: &Streamline, console: &Console) -> Result<ExitCode, Fail
         (None, None) => return Err(Failure::usage("no model: name one, or take --new")),
     };
     models.patches.iter_mut().for_each(|patch| change(args, &mut patch.model));
-    let surfaces = models::surfaces(&models, &source, console)?;
+    let mut surfaces = models::surfaces(&models, &source, console)?;
+    let swap = |size| models::swap(&mut models, &mut surfaces, size, &source, console);
+    let swapped = args.swap.map(swap).transpose()?;
+    let fit = |tolerance| models::bsplines(&models, &surfaces, tolerance, &source, console);
+    let splines = args.bspline.map(fit).transpose()?.unwrap_or_default();
     let (vertices, faces) = match output {
         Some((path, Output::Mesh)) => {
             let mesh = models::mesh(&surfaces, &models.patches)
@@ -60,16 +68,31 @@ pub(crate) fn run(args: &Streamline, console: &Console) -> Result<ExitCode, Fail
             (mesh.positions.len(), mesh.faces.len())
         }
         Some((path, kind)) => {
-            if kind == Output::Model {
-                streamline::write(path, &models)?;
-            } else {
-                input::save(path, models::json(&surfaces).to_string().as_bytes())?;
+            let save = |value: Value| input::save(path, value.to_string().as_bytes());
+            match kind {
+                Output::Model => streamline::write(path, &models)?,
+                Output::SplinesObj => {
+                    input::save(path, &models::bsplines_obj(&splines, &models.patches)?)?;
+                }
+                Output::SplinesJson => save(models::bsplines_json(&splines))?,
+                _ => save(models::json(&surfaces))?,
             }
             sizes(&surfaces)
         }
         None => sizes(&surfaces),
     };
-    report(args, &surfaces, [vertices, faces], console)?;
+    let mut result = json!({ "vertices": vertices, "faces": faces });
+    if let Some(distance) = swapped {
+        result["swap"] = json!({ "distance": distance });
+    }
+    if args.bspline.is_some() {
+        let one = |spline: &BsplineSurface| {
+            let size = [spline.points.row_count(), spline.points.column_count()];
+            json!({ "control_points": size, "deviation": spline.deviation })
+        };
+        result["bspline"] = splines.iter().map(one).collect();
+    }
+    report(args, &surfaces, [vertices, faces], result, console)?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -77,10 +100,22 @@ pub(crate) fn run(args: &Streamline, console: &Console) -> Result<ExitCode, Fail
 fn what(args: &Streamline, path: &Path) -> Result<Output, Failure> {
     let name = path.to_string_lossy().to_ascii_lowercase();
     let plain = name.strip_suffix(".gz").unwrap_or(&name);
+    let is_result = input::is_json(path) || input::is_dash(path);
+    if args.bspline.is_some() {
+        let is_model = name.ends_with(streamline::EXTENSION);
+        return match args.writing.to {
+            Some(Format::Obj) => Ok(Output::SplinesObj),
+            None if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj")) => {
+                Ok(Output::SplinesObj)
+            }
+            None if is_result && !is_model => Ok(Output::SplinesJson),
+            _ => Err(Failure::usage("a B-spline surface is written as OBJ or JSON")
+                .help("let the name end in .obj or .json, but not in .streamline.json")),
+        };
+    }
     if args.writing.to.is_some() || Format::from_path(path).is_some() {
         return Ok(Output::Mesh);
     }
-    let is_result = input::is_json(path) || input::is_dash(path);
     if plain.ends_with(streamline::EXTENSION) || (args.input.is_none() && is_result) {
         return Ok(Output::Model);
     }
@@ -90,26 +125,22 @@ fn what(args: &Streamline, path: &Path) -> Result<Output, Failure> {
     input::check_mesh(path, &args.writing).map(|()| Output::Mesh)
 }
 
-/// Vertices and faces of the surfaces, each by itself.
+/// Vertices and faces of the mesh of all surfaces.
 fn sizes(surfaces: &[Surface]) -> (usize, usize) {
-    let vertices = surfaces.iter().map(|s| s.points().values().len()).sum();
-    let faces = surfaces.iter().map(|s| {
-        let (rows, columns) = (s.points().row_count(), s.points().column_count());
-        rows.saturating_sub(1) * columns.saturating_sub(1)
-    });
-    (vertices, faces.sum())
+    let joined = models::joined(surfaces);
+    (joined.positions.len(), joined.faces.len())
 }
 
 fn report(
     args: &Streamline,
     surfaces: &[Surface],
     [vertices, faces]: [usize; 2],
+    mut result: Value,
     console: &Console,
 ) -> Result<(), Failure> {
     let size = format!("{} vertices, {} faces", count(vertices), count(faces));
     let statistics = args.stats.then(|| Statistics::new(surfaces));
     if console.json() {
-        let mut result = json!({ "vertices": vertices, "faces": faces });
         if let Some(statistics) = &statistics {
             let warnings = surfaces.iter().flat_map(|s| s.model().warnings());
             result["stats"] = statistics.json();

@@ -201,7 +201,7 @@ impl<'a> At<'a> {
         }
     }
 
-    fn not(&self, expected: impl Into<String>) -> ParseError {
+    pub(super) fn not(&self, expected: impl Into<String>) -> ParseError {
         self.error(self.node.shown()).expected(expected)
     }
 

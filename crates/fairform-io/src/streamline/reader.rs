@@ -10,7 +10,7 @@ use fairform::{Scheme, Vec3};
 use super::node::{
     At, Node, Object, flag, kept, number, numbers, points, positive, text, unit, vector,
 };
-use super::{Contents, Curve, MAX_ORDER, MAX_SAMPLES, Models, Patch, VERSION};
+use super::{Contents, Curve, MAX_ORDER, MAX_SAMPLES, Models, Patch, Stitch, VERSION};
 use crate::error::ParseError;
 
 type Read<T> = Result<T, ParseError>;
@@ -107,13 +107,23 @@ fn field<T>(at: &At, name: &str, read: impl Fn(&At) -> Read<T>) -> Read<Option<T
 }
 
 fn patches(root: &At) -> Read<Models> {
-    let file = root.object(&[HEAD, &["patches"]])?;
+    let file = root.object(&[HEAD, &["patches", "stitch"]])?;
     let (name, display) = head(&file, Kind::Surface)?;
     let patches = file.need("patches", |at| at.list("models", patch))?;
     if patches.is_empty() {
         return Err(file.error("patches", "an empty list").expected("one model at least"));
     }
-    Ok(Models { name, display, patches })
+    let stitch = file.get("stitch", stitch)?.unwrap_or_default();
+    Ok(Models { name, display, patches, stitch })
+}
+
+fn stitch(at: &At) -> Read<Stitch> {
+    match (flag(at), text(at).as_deref()) {
+        (Ok(true), _) => Ok(Stitch::Shared),
+        (Ok(false), _) => Ok(Stitch::None),
+        (_, Ok("smooth")) => Ok(Stitch::Smooth),
+        _ => Err(at.not("true, false or \"smooth\"")),
+    }
 }
 
 /// Version and kind, which must be right, then name and display.

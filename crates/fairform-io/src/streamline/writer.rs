@@ -7,7 +7,7 @@ use fairform::streamline::{
 };
 use serde_json::{Value, json};
 
-use super::{Curve, Models, Patch, VERSION};
+use super::{Curve, Models, Patch, Stitch, VERSION};
 use crate::error::Error;
 
 type Fields = Vec<(&'static str, Value)>;
@@ -101,7 +101,8 @@ fn all_finite(finite: bool) -> Result<(), Error> {
 }
 
 pub(super) fn models(models: &Models) -> Result<String, Error> {
-    if let (None, None, [patch]) = (&models.name, &models.display, &*models.patches) {
+    let plain = models.name.is_none() && models.display.is_none() && models.stitch == Stitch::None;
+    if let (true, [patch]) = (plain, &*models.patches) {
         return Ok(self::patch(patch, "")? + "\n");
     }
     if models.patches.is_empty() {
@@ -109,6 +110,14 @@ pub(super) fn models(models: &Models) -> Result<String, Error> {
     }
     let mut file = Object::new("");
     head(&mut file, "surface", models.name.as_deref());
+    file.field_if(
+        "stitch",
+        match models.stitch {
+            Stitch::None => None,
+            Stitch::Shared => Some(true.into()),
+            Stitch::Smooth => Some("smooth".into()),
+        },
+    );
     file.key("patches");
     let patches: Result<Vec<_>, _> = models.patches.iter().map(|one| patch(one, "    ")).collect();
     file.text += &format!("[\n    {}\n  ]", patches?.join(",\n    "));

@@ -7,7 +7,7 @@ use crate::sphere::{self, Ends, exp, log};
 use crate::{Faces, Mesh, Vec3};
 
 use super::surface::grid_faces;
-use super::{Error, InitialCurve, Model, Surface};
+use super::{Error, Grid, InitialCurve, Model, Surface};
 
 /// How well two patches agree along the last streamline of the one and the first of the other.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -139,33 +139,71 @@ pub fn seam(first: &Surface, second: &Surface) -> Option<Seam> {
     Some(Seam { gap, tangent_angle, plane_angle })
 }
 
-/// Surfaces as one mesh; where the last streamline of one and the first of the next agree to
-/// `tolerance`, their vertices are the same, those of the former. Also the first vertex of each
-/// surface in it, and the number of vertices in each of its rows.
-///
-/// # Errors
-/// As [`Surface::mesh`].
-pub fn join(surfaces: &[Surface], tolerance: f64) -> Result<Mesh, crate::Error> {
-    let (mut positions, mut faces) = (Vec::new(), Faces::new());
-    let mut previous: Option<(&Surface, u32)> = None;
-    for surface in surfaces {
-        let (rows, columns) = (surface.points().row_count(), surface.points().column_count());
-        let shared = previous
-            .filter(|(other, _)| seam(other, surface).is_some_and(|seam| seam.gap <= tolerance));
-        let first_own = if shared.is_some() { columns } else { 0 };
-        let first = positions.len() as u32;
-        positions.extend_from_slice(&surface.points().values()[first_own..]);
-        let number = |v: u32| match shared {
-            Some((_, last_row)) if (v as usize) < columns => last_row + v,
-            _ => first + v - first_own as u32,
-        };
-        for face in grid_faces(rows, columns).iter() {
-            let corners: Vec<u32> = face.iter().map(|&v| number(v)).collect();
-            faces.push(&corners);
-        }
-        previous = Some((surface, (positions.len() - columns) as u32));
+/// Surfaces whose vertices along shared streamlines are the same.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Joined {
+    /// Surface by surface, row by row; what is there already is not repeated.
+    pub positions: Vec<Vec3>,
+    /// Surface by surface, as those of [`Surface::mesh`].
+    pub faces: Faces,
+    /// For each surface the vertex of each of its points.
+    pub vertices: Vec<Grid<u32>>,
+}
+
+impl Joined {
+    /// The mesh.
+    ///
+    /// # Errors
+    /// As [`Surface::mesh`].
+    pub fn into_mesh(self) -> Result<Mesh, crate::Error> {
+        Mesh::new(self.positions, &self.faces)
     }
-    Mesh::new(positions, &faces)
+}
+
+/// Joins each surface to the one before where the last streamline of the one and the first of the
+/// other agree to `tolerance`, the largest distance of their points; and the last to the first, which
+/// may be the same, so that a tube is closed. Vertices are those of the surface that comes first.
+/// Streamlines are not joined where that would leave a tube with fewer than three.
+#[must_use]
+pub fn join(surfaces: &[Surface], tolerance: f64) -> Joined {
+    let mut joined = Joined::default();
+    // Streamlines in the chain of surfaces joined so far, without those that are shared.
+    let (mut chain_length, mut chain_start) = (0, 0);
+    for (i, surface) in surfaces.iter().enumerate() {
+        let points = surface.points();
+        let (rows, columns) = (points.row_count(), points.column_count());
+        let agree = |other: &Surface| seam(other, surface).is_some_and(|s| s.gap <= tolerance);
+        let before = i.checked_sub(1).filter(|&i| agree(&surfaces[i]));
+        let mut numbers = Vec::with_capacity(points.values().len());
+        if let Some(before) = before {
+            let last = &joined.vertices[before];
+            numbers.extend_from_slice(last.row(last.row_count() - 1));
+            chain_length += rows - 1;
+        } else {
+            (chain_length, chain_start) = (rows, i);
+        }
+        let closing = i + 1 == surfaces.len()
+            && rows > 1
+            && (chain_start > 0 || chain_length > 3)
+            && seam(surface, &surfaces[0]).is_some_and(|s| s.gap <= tolerance);
+        let new = numbers.len()..if closing { (rows - 1) * columns } else { rows * columns };
+        let next = joined.positions.len() as u32;
+        numbers.extend(next..next + new.len() as u32);
+        joined.positions.extend_from_slice(&points.values()[new]);
+        if closing {
+            match joined.vertices.first() {
+                Some(first) => numbers.extend_from_slice(first.row(0)),
+                None => numbers.extend_from_within(..columns),
+            }
+        }
+        for face in grid_faces(rows, columns).iter() {
+            let corners: Vec<u32> = face.iter().map(|&v| numbers[v as usize]).collect();
+            joined.faces.push(&corners);
+        }
+        let numbers = numbers.chunks_exact(columns).map(<[u32]>::to_vec);
+        joined.vertices.push(Grid::collected(numbers));
+    }
+    joined
 }
 
 impl InitialCurve {

@@ -3,13 +3,16 @@
 use std::path::Path;
 
 use fairform::streamline::{self, Model};
-use fairform::{Faces, Vec3, fairness};
+use fairform::{Vec3, fairness};
 use fairform_io::MeshData;
 use fairform_io::streamline::{Contents, Curve, EXTENSION};
-use fairform_render::{Directions, Line, ModelView, Part, Show, SphereView};
+use fairform_render::{Directions, Line, ModelView, Part, Show, SphereView, View};
 
 use crate::args::{Render, Sphere};
+use crate::console::Console;
 use crate::failure::Failure;
+use crate::input::Source;
+use crate::models;
 
 /// What is drawn in one panel.
 pub(crate) struct Sheet<'a> {
@@ -77,9 +80,28 @@ pub(crate) fn check(args: &Render, sheets: &[Sheet]) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The view that a file asks for.
+pub(crate) fn view(path: &Path, contents: &Contents, console: &Console) -> Option<View> {
+    let Contents::Surface(models) = contents else { return None };
+    let displays = models.patches.iter().map(|patch| &patch.display);
+    let mut displays = std::iter::once(&models.display).chain(displays).flatten();
+    let said = displays.find_map(|display| display.get("view"))?;
+    // It may be meant for another viewer.
+    let view = said.as_str().and_then(|text| text.parse().ok());
+    if view.is_none() {
+        let path = path.display();
+        console.note(format!("warning: {path}: display.view: {said} is no view as --view takes"));
+    }
+    view
+}
+
 /// What is drawn of the models or the curve in a file: a sheet for each depth.
-pub(crate) fn sheets<'a>(path: &'a Path, args: &Render) -> Result<Vec<Sheet<'a>>, Failure> {
-    let contents = fairform_io::streamline::read_any(path)?;
+pub(crate) fn sheets<'a>(
+    path: &'a Path,
+    contents: &Contents,
+    args: &Render,
+    view: &View,
+) -> Result<Vec<Sheet<'a>>, Failure> {
     let depths: Vec<Option<u32>> = match args.model.depth.as_slice() {
         [] => vec![None],
         depths => depths.iter().copied().map(Some).collect(),
@@ -87,8 +109,8 @@ pub(crate) fn sheets<'a>(path: &'a Path, args: &Render) -> Result<Vec<Sheet<'a>>
     let several = depths.len() > 1;
     let sheet = |depth: Option<u32>| {
         let mut sheet = match &args.model.sphere {
-            Some(choice) => on_sphere(path, &contents, choice, depth, args)?,
-            None => in_space(path, &contents, depth, args)?,
+            Some(choice) => on_sphere(path, contents, choice, depth, view)?,
+            None => in_space(path, contents, depth, args)?,
         };
         sheet.depth = depth.filter(|_| several);
         Ok(sheet)
@@ -111,28 +133,35 @@ fn in_space<'a>(
         view.show.clone_from(&args.model.show);
     }
     let models: Vec<Model> = match contents {
-        Contents::Surface(models) => models.patches.iter().map(|p| p.model.clone()).collect(),
+        Contents::Surface(all) => models::stitched(all, &Source { path, format: None })?,
         _ => {
             return Err(Failure::new(format!("{}: a curve is no surface", path.display()))
                 .help("draw its tangents, with --sphere"));
         }
     };
     let mut sheet = Sheet { shown: view.shows(Show::Surface), ..Sheet::of_model(path) };
-    let (mut normals, mut corners) = (Vec::new(), Vec::new());
-    for model in models {
+    let refined = models.into_iter().map(|model| {
         let depth = depth.unwrap_or(model.depth);
-        let surface = streamline::Surface::new(Model { depth, ..model }).map_err(at(path))?;
-        let mut parts = view.parts(&surface);
+        streamline::Surface::new(Model { depth, ..model }).map_err(at(path))
+    });
+    let surfaces = refined.collect::<Result<Vec<_>, _>>()?;
+    let joined = models::joined(&surfaces);
+    let mut normals = vec![Vec3::ZERO; joined.positions.len()];
+    for (surface, vertices) in surfaces.iter().zip(&joined.vertices) {
+        let mut parts = view.parts(surface);
         let mesh = parts.remove(0);
-        let first = sheet.data.positions.len() as u32;
-        normals.extend(whole_normals(&surface, &mesh, path)?);
-        corners.extend(mesh.faces.corners().iter().map(|v| first + v));
-        sheet.data.positions.extend(mesh.positions);
+        let number = |v: u32| vertices.values()[v as usize];
+        for (v, normal) in (0..).zip(whole_normals(surface, &mesh, path)?) {
+            normals[number(v) as usize] += normal;
+        }
         let strokes = mesh.strokes.into_iter();
-        sheet.strokes.extend(strokes.map(|(ends, line)| (ends.map(|v| first + v), line)));
+        sheet.strokes.extend(strokes.map(|(ends, line)| (ends.map(number), line)));
         sheet.parts.extend(parts);
     }
-    sheet.data.faces = Faces::uniform(4, corners);
+    // On both sides of a seam the same.
+    normals.iter_mut().for_each(|n| *n = n.normalized());
+    sheet.data.positions = joined.positions;
+    sheet.data.faces = joined.faces;
     sheet.data.normals = Some(normals);
     Ok(sheet)
 }
@@ -158,15 +187,15 @@ fn on_sphere<'a>(
     contents: &Contents,
     choice: &Sphere,
     depth: Option<u32>,
-    args: &Render,
+    view: &View,
 ) -> Result<Sheet<'a>, Failure> {
     let mut all = Vec::new();
     let wrong = |error| at(path)(streamline::Error::Sphere { field: "tangents", error });
     match contents {
         Contents::Surface(models) => {
-            for patch in &models.patches {
-                let depth = depth.unwrap_or(patch.model.depth);
-                let model = Model { depth, ..patch.model.clone() };
+            for model in models::stitched(models, &Source { path, format: None })? {
+                let depth = depth.unwrap_or(model.depth);
+                let model = Model { depth, ..model };
                 all.extend(match choice {
                     Sphere::Columns => Directions::columns(&model).map_err(at(path))?,
                     _ => Directions::rows(&model).map_err(at(path))?,
@@ -192,6 +221,6 @@ fn on_sphere<'a>(
         }
         all = rows.iter().map(|&row| all[row].clone()).collect();
     }
-    let view = SphereView { up: args.view.up, ..SphereView::default() };
+    let view = SphereView { up: view.up, ..SphereView::default() };
     Ok(Sheet { parts: view.parts(&all), ..Sheet::of_model(path) })
 }
