@@ -217,7 +217,7 @@ impl Surface {
         Ok(())
     }
 
-    /// Numbers of the faces of the mesh as it was read, for the faces that [`into_surface`] writes.
+    /// Numbers of the faces of the mesh as it was read, for the faces that `into_surface` writes.
     pub(crate) fn inherited(&self, values: &[f64]) -> Vec<f64> {
         let shown = self.origin.iter().filter(|f| self.is_shown(**f));
         shown.map(|&f| values[f as usize]).collect()
