@@ -21,7 +21,9 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
                 let mut model = patch.model;
                 model.depth = model.depth.min(3);
                 let Ok(surface) = Surface::new(model) else { continue };
-                assert!(surface.tangents().values().iter().all(|t| (t.length() - 1.0).abs() < 1e-9));
+                assert!(
+                    surface.tangents().values().iter().all(|t| (t.length() - 1.0).abs() < 1e-9)
+                );
             }
         }
         Contents::Curve(Curve::Subdivided(mut curve)) => {
