@@ -68,7 +68,19 @@ pub(crate) fn read(source: &Source, console: &Console) -> Result<MeshData, Failu
         return Err(Failure::usage("standard input has no name that tells its format")
             .help("say it with --from obj, off, ply, stl, gltf or glb"));
     }
-    let data = fairform_io::read(source.path, source.format)?;
+    let data = fairform_io::read(source.path, source.format).map_err(|error| {
+        let failure = Failure::from(error);
+        let is_model = source.format.is_none()
+            && source.path.is_file()
+            && fairform_io::streamline::read(source.path).is_ok();
+        if !is_model {
+            return failure;
+        }
+        let path = quoted(&source.path.to_string_lossy());
+        let message = format!("{source}: a streamline model, not a mesh");
+        Failure { message, ..failure }
+            .help(format!("fairform streamline {path} -o surface.obj makes a mesh of it"))
+    })?;
     for note in &data.notes {
         console.note(format!("note: {source}: {note}"));
     }

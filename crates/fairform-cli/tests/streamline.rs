@@ -658,3 +658,18 @@ fn the_same_bytes_on_any_number_of_threads() {
     }
     assert!(folder.bytes("1.ply") == folder.bytes("3.ply"));
 }
+
+/// Commands for meshes say what to do with a model.
+#[test]
+fn a_model_is_no_mesh_but_can_become_one() {
+    let folder = Folder::new();
+    folder.ok("streamline --new wave -o wave.streamline.json");
+    folder.fails(
+        "fit wave.streamline.json -o x.ply",
+        1,
+        "fairform streamline wave.streamline.json",
+    );
+    folder.write("other.json", "{\"a\": 1}");
+    folder.fails("fit other.json -o x.ply", 1, "unknown format");
+    assert!(!folder.path("x.ply").exists());
+}
