@@ -106,7 +106,8 @@ impl Drag {
 /// the fastest of the three. The others add some.
 const FIRST_DECAY: f64 = 0.16;
 
-/// Rings that are added at a time.
+/// Fewest rings that are added at a time; a quarter of those there are if that is more, so that where the
+/// decay is slow the solves together cost no more than a few times the last.
 const MORE_RINGS: u32 = 2;
 
 /// Accuracy of a column on its rings, in units of what is allowed beyond them.
@@ -255,12 +256,13 @@ impl Editor {
         let first = libm::ceil(libm::log(self.tolerance) / libm::log(FIRST_DECAY)) as u32;
         let mut is_done = grabbed.is_empty();
         let mut x = Vec::new();
-        let mut rings = first;
+        let (mut rings, mut more) = (0, first);
         while !is_done {
-            let is_whole = !part.grow(rings);
+            let is_whole = !part.grow(more);
             x = self.column(&part, &grabbed, x)?;
             is_done = is_whole || part.beyond(&x) <= self.tolerance;
-            rings = MORE_RINGS;
+            rings += more;
+            more = MORE_RINGS.max(rings / 4);
         }
         let mut entries: Vec<(VertexId, f64)> = part
             .vertices
@@ -402,6 +404,9 @@ impl<'e> Part<'e> {
     fn grow(&mut self, rings: u32) -> bool {
         for _ in 0..rings {
             let start = self.vertices.len();
+            if self.next.is_empty() {
+                return false;
+            }
             for &v in &self.next {
                 self.local[v as usize] = self.vertices.len() as u32;
                 self.vertices.push(v);

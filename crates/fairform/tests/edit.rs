@@ -210,7 +210,7 @@ fn settling_takes_away_what_many_drags_leave() {
         for v in mesh.topology().vertices() {
             let drag = editor.grab(&[v]).unwrap();
             for _ in 0..100 {
-                editor.drag(&drag, Vec3::new(0.06, 0.1, 0.0));
+                editor.drag(&drag, Vec3::new(0.6, 1.0, 0.0));
             }
         }
         let unit = mesh.bounds().diagonal();
@@ -351,6 +351,21 @@ fn errors_say_what_is_wrong() {
     assert!(editor.grab(&[]).unwrap().changed().faces.is_empty());
     let twice = editor.grab(&[VertexId(3), VertexId(3)]).unwrap();
     assert_eq!(twice, editor.grab(&[VertexId(3)]).unwrap());
+}
+
+/// Two polygons glued on all sides: all vertices have two faces, and no iteration converges.
+#[test]
+fn what_cannot_follow_is_an_error() {
+    for n in [4, 5, 7, 40] {
+        let mut faces = fairform::Faces::new();
+        faces.push(&(0..n).collect::<Vec<_>>());
+        faces.push(&(0..n).rev().collect::<Vec<_>>());
+        let mesh = Mesh::new(prism(n).positions()[..n as usize].to_vec(), &faces).unwrap();
+        let control = mesh.positions().to_vec();
+        let editor = Editor::new(&mesh, &Scheme::CatmullClark.into(), control, 1e-6).unwrap();
+        let error = editor.grab(&[VertexId(2)]).unwrap_err();
+        assert_eq!(error, Error::Singular { vertex: VertexId(2) }, "{n}");
+    }
 }
 
 #[test]
