@@ -165,6 +165,23 @@ pub enum Error {
     /// Factorising needs a positive definite operator.
     #[error("no factors: the limit operator is singular, or not definite, on this mesh")]
     NotDefinite,
+    /// Control points do not follow the data.
+    #[error(
+        "around vertex {vertex} the limit operator is singular or not definite, so control points do not \
+         follow the data"
+    )]
+    Singular {
+        /// The first vertex of the singular part, or the first that was grabbed.
+        vertex: VertexId,
+    },
+    /// A vertex that the mesh does not have.
+    #[error("there is no vertex {vertex}: the mesh has {vertex_count} vertices")]
+    NoSuchVertex {
+        /// Its number.
+        vertex: VertexId,
+        /// How many vertices there are.
+        vertex_count: usize,
+    },
     /// The factors would not fit into memory.
     #[error("the factors are too large to be stored; use another method")]
     FactorTooLarge,

@@ -623,7 +623,7 @@ fn run<A: Operator>(
 }
 
 /// Lower end of a spectrum of which only its sign is known.
-const LEAST: f64 = 0.01;
+pub(crate) const LEAST: f64 = 0.01;
 
 /// Numbers for some vertices from 0 up, in their order; [`NONE`] for all others.
 fn numbering(vertex_count: usize, vertices: &[u32]) -> Vec<u32> {
@@ -704,6 +704,24 @@ impl Parts {
 struct Bound {
     guaranteed: f64,
     usual: f64,
+}
+
+/// Lower bounds for the eigenvalues of the limit operator on all vertices at once, guaranteed (not positive
+/// where nothing is known) and usual: the operator is block triangular, so its spectrum is that of the stages.
+pub(crate) fn whole_bound(topology: &Topology, rules: &Rules) -> [f64; 2] {
+    let parts = Parts::new(topology, rules);
+    let mut whole = Bound { guaranteed: 1.0, usual: 1.0 };
+    let mut add = |bound: Bound| {
+        whole.guaranteed = whole.guaranteed.min(bound.guaranteed);
+        whole.usual = whole.usual.min(bound.usual.max(bound.guaranteed));
+    };
+    if !parts.curves.is_empty() {
+        add(curve_bound(topology, rules));
+    }
+    if !parts.others.is_empty() {
+        add(interior_bound(topology, rules, &parts.others));
+    }
+    [whole.guaranteed, whole.usual]
 }
 
 fn curve_bound(topology: &Topology, rules: &Rules) -> Bound {

@@ -23,6 +23,7 @@
 extern crate alloc;
 
 pub mod crease;
+pub mod edit;
 pub mod error;
 pub mod evaluate;
 pub mod faces;
