@@ -83,6 +83,9 @@ fn doo_sabin_in_closed_form_is_what_the_search_finds() {
             }
         }
     }
+    // So large that several threads share the work.
+    check_doo_sabin_topology(&quad_torus(40, 80), "large, closed");
+    check_doo_sabin_topology(&quad_sheet(40, 80), "large, open");
     // Several edges with the same ends.
     let (doubled, _) = refine_mesh(&back_to_back(), &Scheme::CatmullClark.into(), 1).unwrap();
     check_doo_sabin_topology(&doubled, "doubled edges");

@@ -39,13 +39,15 @@ pub(super) fn finer_topology(coarse: &Topology, border: Border) -> Topology {
 }
 
 /// The numbering of the finer half-edges: those of the faces keep their numbers, after them come the
-/// faces of the edges, then those of the vertices.
+/// faces of the edges, then those of the vertices. `h` runs from `a` to `b`, on the border of face `f`,
+/// and `t` is its twin; their edge has face `e`, and `4e` is counted from the first face of an edge.
 ///
 /// ```text
-///          next(h) ───── t             h runs from a to b in the face on the left, t is its twin,
-///       f     │     e    │     g       the square is the face e of their edge:
-///             h ───── next(t)           4e  next(h) → h        4e+1  h → next(t)
-///                  a                    4e+2  next(t) → t      4e+3  t → next(h)
+///                  b
+///          next(h) ─── t          4e    next(h) → h      4e+1  h → next(t)
+///        f       │  e  │  g       4e+2  next(t) → t      4e+3  t → next(h)
+///                h ─── next(t)
+///                  a
 /// ```
 struct Numbers<'t> {
     coarse: &'t Topology,
