@@ -98,10 +98,15 @@ impl Faces {
     /// The number of corners that all faces have, if it is the same; `None` without faces.
     #[must_use]
     pub fn uniform_size(&self) -> Option<u32> {
-        let mut sizes = self.start.windows(2).map(|w| w[1] - w[0]);
-        let first = sizes.next()?;
-        sizes.all(|s| s == first).then_some(first)
+        uniform_size(&self.start)
     }
+}
+
+/// The size of all faces that begin at such places, if it is the same.
+pub(crate) fn uniform_size(start: &[u32]) -> Option<u32> {
+    let mut sizes = start.windows(2).map(|w| w[1] - w[0]);
+    let first = sizes.next()?;
+    sizes.all(|s| s == first).then_some(first)
 }
 
 impl<F: AsRef<[u32]>> FromIterator<F> for Faces {

@@ -45,7 +45,7 @@ pub fn refine<'t>(topology: &'t Topology, rules: &'t Rules) -> Result<Refined<'t
     let finer = match rules.scheme {
         Scheme::Loop | Scheme::Butterfly => loop_step::finer_topology(topology),
         Scheme::CatmullClark | Scheme::Kobbelt => catmull_clark_step::finer_topology(topology),
-        Scheme::DooSabin => doo_sabin_step::finer_topology(topology, rules.border)?,
+        Scheme::DooSabin => doo_sabin_step::finer_topology(topology, rules.border),
     };
     let halves = |e| {
         let h = topology.edge_halfedge(e).0;

@@ -53,8 +53,8 @@ pub(crate) struct Triangles {
     pub(crate) fan: Vec<u32>,
 }
 
-/// The index arrays of a quadrilateral topology that is known to be consistent.
-pub(crate) struct Quadrilaterals {
+/// The index arrays of a topology that is known to be consistent, but for those of its edges.
+pub(crate) struct Parts {
     pub(crate) origin: Vec<u32>,
     pub(crate) twin: Vec<u32>,
     pub(crate) outgoing: Vec<u32>,
@@ -63,13 +63,21 @@ pub(crate) struct Quadrilaterals {
 
 impl Topology {
     /// A quadrilateral topology from arrays that a refinement step computed in closed form.
-    pub(crate) fn from_quadrilaterals(parts: Quadrilaterals) -> Self {
-        let Quadrilaterals { origin, twin, outgoing, fan } = parts;
+    pub(crate) fn from_quadrilaterals(parts: Parts) -> Self {
+        let Parts { origin, twin, outgoing, fan } = parts;
         let polygons = match origin.is_empty() {
             // As for any list of no faces.
             true => Polygons::Varied { start: alloc::vec![0], face: Vec::new() },
             false => Polygons::Uniform { size: 4 },
         };
+        let (edge, edge_halfedge) = (Vec::new(), Vec::new());
+        Self { polygons, origin, twin, edge, edge_halfedge, outgoing, fan }.with_edges()
+    }
+
+    /// The topology of any polygons from such arrays and where each face begins, with the end of all.
+    pub(crate) fn from_polygons(start: &[u32], parts: Parts) -> Self {
+        let Parts { origin, twin, outgoing, fan } = parts;
+        let polygons = Polygons::from_starts(start);
         let (edge, edge_halfedge) = (Vec::new(), Vec::new());
         Self { polygons, origin, twin, edge, edge_halfedge, outgoing, fan }.with_edges()
     }

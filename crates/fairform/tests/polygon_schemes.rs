@@ -3,16 +3,107 @@
 mod common;
 
 use common::{
-    assert_near, assorted, check_fit, check_step, limit_points, polygons, quad_sheet, quad_torus,
-    random_creases, random_mesh,
+    assert_near, assorted, back_to_back, check_fit, check_step, limit_points, polygons, quad_sheet,
+    quad_torus, random_creases, random_mesh,
 };
 use fairform::interpolate::{Method, Options, interpolate};
 use fairform::refine::{refine, refine_mesh};
-use fairform::{Border, Corners, Creases, Error, Mesh, Rules, Scheme, Vec3, VertexId, limit};
+use fairform::{
+    Border, Corners, Creases, Error, Faces, Mesh, Rules, Scheme, Topology, Vec3, VertexId, limit,
+};
 use proptest::prelude::*;
 
 fn catmull_clark(corners: Corners) -> Rules {
     Rules { corners, ..Scheme::CatmullClark.into() }
+}
+
+/// The faces that the definition of Doo–Sabin names: of each face, edge and vertex, in this order.
+fn doo_sabin_faces(coarse: &Topology, border: Border) -> (usize, Faces) {
+    let bspline = border == Border::Bspline;
+    let halfedges = coarse.halfedge_count() as u32;
+    let boundary: Vec<_> = coarse.halfedges().filter(|&h| coarse.twin(h).is_none()).collect();
+    let at_start = |h| halfedges + 2 * boundary.iter().position(|&b| b == h).unwrap() as u32;
+    let mut faces: Faces =
+        coarse.faces().map(|f| coarse.face_halfedges(f).map(|h| h.0).collect::<Vec<_>>()).collect();
+    for e in coarse.edges() {
+        let mut h = coarse.edge_halfedge(e);
+        if let Some(t) = coarse.twin(h).filter(|_| coarse.origin(h) > coarse.target(h)) {
+            h = t;
+        }
+        let (a, b) = (h.0, coarse.next(h).0);
+        match coarse.twin(h) {
+            Some(t) => faces.push(&[b, a, coarse.next(t).0, t.0]),
+            None if bspline => faces.push(&[b, a, at_start(h), at_start(h) + 1]),
+            None => {}
+        }
+    }
+    for v in coarse.vertices() {
+        let mut corners: Vec<u32> = coarse.fan(v).map(|h| h.0).collect();
+        if coarse.is_boundary(v) {
+            if !bspline {
+                continue;
+            }
+            corners.insert(0, at_start(coarse.outgoing(v).unwrap()));
+            let last = coarse.fan(v).last().unwrap();
+            corners.push(at_start(coarse.prev(last)) + 1);
+        }
+        if corners.len() > 2 {
+            faces.push(&corners);
+        }
+    }
+    let extra = if bspline { 2 * boundary.len() } else { 0 };
+    (halfedges as usize + extra, faces)
+}
+
+/// The closed form is what the search finds, also for the step after.
+fn check_doo_sabin_topology(mesh: &Mesh, name: &str) {
+    for border in [Border::Bspline, Border::Drop] {
+        let rules = Rules { border, ..Scheme::DooSabin.into() };
+        let mut coarse = mesh.topology().clone();
+        for step in 0..2 {
+            let (count, faces) = doo_sabin_faces(&coarse, border);
+            let found = Topology::from_faces(count, &faces).unwrap();
+            let finer = refine(&coarse, &rules).unwrap().topology;
+            assert_eq!(finer, found, "{name}, {border:?}, step {step}");
+            coarse = finer.into();
+        }
+    }
+}
+
+#[test]
+fn doo_sabin_in_closed_form_is_what_the_search_finds() {
+    for (name, mesh) in polygons().into_iter().chain(assorted()) {
+        check_doo_sabin_topology(&mesh, name);
+        // Without some of its faces.
+        let list = mesh.topology().to_faces();
+        for keep in [2, 3, 5] {
+            let faces = list.iter().enumerate().filter(|(f, _)| f % keep != 1).map(|(_, f)| f);
+            if let Ok(some) = Mesh::new(mesh.positions().to_vec(), &faces.collect()) {
+                check_doo_sabin_topology(&some, name);
+            }
+        }
+    }
+    // So large that several threads share the work.
+    check_doo_sabin_topology(&quad_torus(40, 80), "large, closed");
+    check_doo_sabin_topology(&quad_sheet(40, 80), "large, open");
+    // Several edges with the same ends.
+    let (doubled, _) = refine_mesh(&back_to_back(), &Scheme::CatmullClark.into(), 1).unwrap();
+    check_doo_sabin_topology(&doubled, "doubled edges");
+    check_doo_sabin_topology(&Mesh::new(Vec::new(), &Faces::new()).unwrap(), "nothing");
+    check_doo_sabin_topology(&Mesh::new(vec![Vec3::ZERO; 3], &Faces::new()).unwrap(), "isolated");
+}
+
+/// The dual of a random mesh, without the faces that its boundary would cut: polygons, three or fewer
+/// at a vertex.
+fn random_polygons(seed: u64, splits: usize, holes: usize) -> Mesh {
+    let mesh = random_mesh(seed, splits, holes);
+    let topology = mesh.topology();
+    let faces: Faces = topology
+        .vertices()
+        .filter(|&v| !topology.is_boundary(v) && topology.fan_size(v) > 2)
+        .map(|v| topology.fan(v).map(|h| topology.face(h).0).collect::<Vec<_>>())
+        .collect();
+    Mesh::new(vec![Vec3::ZERO; topology.face_count()], &faces).unwrap()
 }
 
 #[test]
@@ -54,6 +145,14 @@ proptest! {
             check_step(&mesh, &Rules { creases: creases.clone(), ..scheme.into() }, "random");
         }
         check_step(&mesh, &Scheme::DooSabin.into(), "random");
+    }
+
+    #[test]
+    fn doo_sabin_in_closed_form_is_what_the_search_finds_on_random_meshes(
+        seed: u64, splits in 0..40_usize, holes in 0..20_usize,
+    ) {
+        check_doo_sabin_topology(&random_mesh(seed, splits, holes), "random");
+        check_doo_sabin_topology(&random_polygons(seed, splits, holes), "random polygons");
     }
 
     /// Whatever the parameters, the two-phase process interpolates, and as fast as promised.

@@ -15,7 +15,7 @@ use crate::rows::Rows;
 use crate::scheme::Rules;
 use crate::scheme::catmull_clark::{CURVE_VERTEX, vertex_weights};
 use crate::tension::Shares;
-use crate::topology::Quadrilaterals;
+use crate::topology::Parts;
 use crate::{Topology, Vec3, par};
 
 pub(super) fn finer_topology(coarse: &Topology) -> Topology {
@@ -68,7 +68,7 @@ pub(super) fn finer_topology(coarse: &Topology) -> Topology {
             };
         }
     });
-    Topology::from_quadrilaterals(Quadrilaterals { origin, twin, outgoing, fan })
+    Topology::from_quadrilaterals(Parts { origin, twin, outgoing, fan })
 }
 
 /// The half-edges with which the halves of the edge of `h` begin and end.

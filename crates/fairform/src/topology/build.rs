@@ -9,6 +9,7 @@ use core::ops::Range;
 use super::rings::TOGETHER;
 use super::{MAX_HALFEDGES, Polygons, Topology};
 use crate::error::{Defect, Defects, Error};
+use crate::faces::uniform_size;
 use crate::ids::{FaceId, NONE, VertexId};
 use crate::{Faces, par};
 
@@ -34,7 +35,8 @@ impl Topology {
             return Err(Error::TooLarge { halfedges: halfedges.max(vertex_count as u64) });
         }
         let (mut defects, sound) = check_faces(vertex_count, faces);
-        let soup = Soup { vertex_count, faces, polygons: polygons(faces), sound };
+        let soup =
+            Soup { vertex_count, faces, polygons: Polygons::from_starts(faces.starts()), sound };
 
         let buckets = Buckets::new(&soup);
         let twin = if soup.sound.is_empty() && buckets.are_sound() {
@@ -66,7 +68,12 @@ impl Topology {
 
     /// A topology whose twins are known, and known to be consistent.
     pub(crate) fn from_twins(vertex_count: usize, faces: &Faces, twin: Vec<u32>) -> Self {
-        let soup = Soup { vertex_count, faces, polygons: polygons(faces), sound: Vec::new() };
+        let soup = Soup {
+            vertex_count,
+            faces,
+            polygons: Polygons::from_starts(faces.starts()),
+            sound: Vec::new(),
+        };
         let (outgoing, fan) = soup.fans(&twin);
         let (polygons, origin) = (soup.polygons, faces.corners().to_vec());
         let (edge, edge_halfedge) = (Vec::new(), Vec::new());
@@ -247,15 +254,18 @@ fn repeated(corners: &[u32]) -> Option<u32> {
     sorted.windows(2).find(|w| w[0] == w[1]).map(|w| w[0])
 }
 
-fn polygons(faces: &Faces) -> Polygons {
-    if let Some(size) = faces.uniform_size().filter(|&size| size > 0) {
-        return Polygons::Uniform { size };
+impl Polygons {
+    /// From where each face begins, and the end of all.
+    pub(super) fn from_starts(start: &[u32]) -> Self {
+        if let Some(size) = uniform_size(start).filter(|&size| size > 0) {
+            return Self::Uniform { size };
+        }
+        let mut face = Vec::with_capacity(start[start.len() - 1] as usize);
+        for (f, w) in start.windows(2).enumerate() {
+            face.extend(core::iter::repeat_n(f as u32, (w[1] - w[0]) as usize));
+        }
+        Self::Varied { start: start.to_vec(), face }
     }
-    let mut face = Vec::with_capacity(faces.corners().len());
-    for (f, corners) in faces.iter().enumerate() {
-        face.extend(core::iter::repeat_n(f as u32, corners.len()));
-    }
-    Polygons::Varied { start: faces.starts().to_vec(), face }
 }
 
 impl Soup<'_> {
