@@ -57,7 +57,7 @@ pub(crate) fn surfaces(
     let surfaces = made.collect::<Result<Vec<_>, _>>()?;
     if models.stitch != Stitch::None {
         let tolerance = join_tolerance(&surfaces);
-        for seam in Seam::all(&surfaces).into_iter().filter(|s| s.to > s.from) {
+        for seam in Seam::of_neighbours(&surfaces) {
             if seam.of.gap > tolerance {
                 console.note(format!(
                     "warning: {}: stitched to patches[{}], but up to {} away from it, for length or \
@@ -103,18 +103,24 @@ pub(crate) struct Seam {
 }
 
 impl Seam {
-    /// Between one patch and the next, and from the last to the first where they join.
+    fn between(surfaces: &[Surface], from: usize, to: usize) -> Option<Self> {
+        streamline::seam(&surfaces[from], &surfaces[to]).map(|of| Self { from, to, of })
+    }
+
+    /// Between one patch and the next.
+    fn of_neighbours(surfaces: &[Surface]) -> Vec<Self> {
+        (1..surfaces.len()).filter_map(|to| Self::between(surfaces, to - 1, to)).collect()
+    }
+
+    /// Also from the last to the first where they join.
     fn all(surfaces: &[Surface]) -> Vec<Self> {
-        let between = |from: usize, to: usize| {
-            streamline::seam(&surfaces[from], &surfaces[to]).map(|of| Self { from, to, of })
-        };
-        let mut seams: Vec<_> = (1..surfaces.len()).filter_map(|to| between(to - 1, to)).collect();
+        let mut seams = Self::of_neighbours(surfaces);
         let joined = joined(surfaces);
         if let (Some(first), Some(last)) = (joined.vertices.first(), joined.vertices.last())
             && last.row_count() > 1
             && first.row(0) == last.row(last.row_count() - 1)
         {
-            seams.extend(between(surfaces.len() - 1, 0));
+            seams.extend(Self::between(surfaces, surfaces.len() - 1, 0));
         }
         seams
     }

@@ -47,6 +47,7 @@ pub mod tension;
 pub mod topology;
 pub mod vec3;
 
+mod bspline;
 mod order;
 mod par;
 mod rows;

@@ -99,15 +99,7 @@ pub(crate) fn part_count() -> usize {
 
 /// Runs `f(part)` on each of a few parts at once, each owning what it writes.
 pub(crate) fn in_parts<P: Send>(parts: Vec<P>, f: impl Fn(P) + Sync + Send) {
-    #[cfg(feature = "parallel")]
-    {
-        use rayon::prelude::*;
-        parts.into_par_iter().with_max_len(1).for_each(f);
-    }
-    #[cfg(not(feature = "parallel"))]
-    {
-        parts.into_iter().for_each(f);
-    }
+    map_parts(parts, f);
 }
 
 /// [`in_parts`], with the answers in order.

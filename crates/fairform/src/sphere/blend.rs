@@ -71,9 +71,13 @@ pub fn carry(from: Vec3, to: Vec3, t: Vec3) -> Vec3 {
     if theta == 0.0 {
         return t;
     }
-    let (sine, cosine) = (libm::sin(theta), libm::cos(theta));
-    let turned = cosine * t + sine * axis.cross(t) + (1.0 - cosine) * axis.dot(t) * axis;
-    turned.normalized()
+    rotated(axis, theta, t).normalized()
+}
+
+/// A vector, turned about a unit axis.
+pub(super) fn rotated(axis: Vec3, angle: f64, v: Vec3) -> Vec3 {
+    let (sine, cosine) = (libm::sin(angle), libm::cos(angle));
+    cosine * v + sine * axis.cross(v) + (1.0 - cosine) * axis.dot(v) * axis
 }
 
 /// Unit axis and angle in $`[0, \pi]`$ of the rotation along the great circle from `t0` to `t1`.

@@ -2,9 +2,9 @@
 
 use alloc::vec::Vec;
 
-use crate::Vec3;
+use crate::{Vec3, bspline};
 
-use super::blend::axis_angle;
+use super::blend::{axis_angle, rotated};
 use super::error::Error;
 use super::unit;
 
@@ -78,43 +78,28 @@ impl QiCurve {
     pub fn tangent(&self, u: f64) -> Vec3 {
         let u = u.clamp(0.0, 1.0);
         let span = self.span(u);
-        self.tangent_in(span, u, &mut Vec::with_capacity(self.order))
+        self.tangent_in(span, u, &mut self.room())
     }
 
-    /// The knot span $`[u_m, u_{m+1})`$ in which a parameter lies; the last one is closed.
+    /// For the functions that do not vanish in a span.
+    fn room(&self) -> Vec<f64> {
+        alloc::vec![0.0; self.order]
+    }
+
     fn span(&self, u: f64) -> usize {
-        let (first, last) = (self.order - 1, self.turns.len());
-        let inner = &self.knots[first..=last];
-        first + inner.partition_point(|&k| k <= u).saturating_sub(1)
+        bspline::span(&self.knots, self.order - 1, u)
     }
 
-    fn tangent_in(&self, span: usize, u: f64, basis: &mut Vec<f64>) -> Vec3 {
-        self.basis(span, u, basis);
+    /// With room for as many functions as the order.
+    fn tangent_in(&self, span: usize, u: f64, basis: &mut [f64]) -> Vec3 {
+        bspline::basis(&self.knots, span, u, basis);
         // B̃ is one before the order's reach, so that tangents are met there, and zero behind the span.
         let first = span + 1 - self.order;
         let mut t = self.tangents[first];
         for (i, &(axis, theta)) in (1..).zip(&self.turns[first..span]) {
-            let turn = basis[i..].iter().sum::<f64>() * theta;
-            let (sine, cosine) = (libm::sin(turn), libm::cos(turn));
-            t = cosine * t + sine * axis.cross(t) + (1.0 - cosine) * axis.dot(t) * axis;
+            t = rotated(axis, basis[i..].iter().sum::<f64>() * theta, t);
         }
         t.normalized()
-    }
-
-    /// The functions $`B_{j,k}(u)`$ that do not vanish in a span, the first for $`j`$ = span + 1 − k.
-    fn basis(&self, span: usize, u: f64, basis: &mut Vec<f64>) {
-        basis.clear();
-        basis.push(1.0);
-        for degree in 1..self.order {
-            let mut carried = 0.0;
-            for (r, b) in basis.iter_mut().enumerate() {
-                let (right, left) = (self.knots[span + r + 1], self.knots[span + 1 + r - degree]);
-                let share = *b / (right - left);
-                *b = carried + (right - u) * share;
-                carried = (u - left) * share;
-            }
-            basis.push(carried);
-        }
     }
 
     /// The points of the space curve of some length from `start`, and its tangents, at parameters in
@@ -134,7 +119,7 @@ impl QiCurve {
             let (what, expected) = ("the length of a QI curve", "finite and positive");
             return Err(Error::BadNumber { what, expected, value: length });
         }
-        let mut basis = Vec::with_capacity(self.order);
+        let mut basis = self.room();
         let (mut at, mut sum) = (0.0, Vec3::ZERO);
         let mut points = Vec::with_capacity(parameters.len());
         for &u in parameters {
@@ -153,7 +138,7 @@ impl QiCurve {
         Ok((points, parameters.iter().map(|&u| self.tangent(u)).collect()))
     }
 
-    fn integral(&self, span: usize, from: f64, to: f64, basis: &mut Vec<f64>) -> Vec3 {
+    fn integral(&self, span: usize, from: f64, to: f64, basis: &mut [f64]) -> Vec3 {
         // Largest turn in the span per Gauss rule; 16 points then are exact to rounding.
         const TURN: f64 = 0.5;
         let reach = &self.turns[(span + 1 - self.order)..span];

@@ -58,7 +58,7 @@ impl Curve {
         }
         for (column, t) in self.tangents.iter().enumerate() {
             let length = t.length();
-            if (length - 1.0).abs() > sphere::UNIT_TOLERANCE || length.is_nan() {
+            if !sphere::is_unit(length) {
                 return Err(Error::NotUnit { row: 0, column, length });
             }
         }

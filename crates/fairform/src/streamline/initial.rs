@@ -2,8 +2,8 @@
 
 use alloc::vec::Vec;
 
-use crate::Vec3;
 use crate::sphere::{Knots, QiCurve};
+use crate::{Vec3, bspline};
 
 use super::error::Error;
 use super::increasing;
@@ -295,34 +295,28 @@ impl Bspline {
         self.knots
     }
 
+    /// The parameter at a fraction of the range, and the span in which it lies.
+    fn place(&self, fraction: f64) -> (f64, usize) {
+        let (p, count) = (self.degree, self.knots.len() - self.degree - 1);
+        let (from, to) = (self.knots[p], self.knots[count]);
+        let u = from + fraction.clamp(0.0, 1.0) * (to - from);
+        (u, bspline::span(&self.knots, p, u))
+    }
+
     /// The first cubic basis function that does not vanish at a fraction of the range, and the values
     /// of it and the next three.
     pub(super) fn basis(&self, fraction: f64) -> (usize, [f64; 4]) {
         debug_assert_eq!(self.degree, 3, "a cubic");
-        let count = self.knots.len() - 4;
-        let (from, to) = (self.knots[3], self.knots[count]);
-        let u = from + fraction.clamp(0.0, 1.0) * (to - from);
-        let span = 3 + self.knots[3..count].partition_point(|&k| k <= u).saturating_sub(1);
-        let mut basis = [1.0, 0.0, 0.0, 0.0];
-        for degree in 1..=3 {
-            let mut carried = 0.0;
-            for (r, b) in basis[..degree].iter_mut().enumerate() {
-                let (right, left) = (self.knots[span + r + 1], self.knots[span + 1 + r - degree]);
-                let share = *b / (right - left);
-                *b = carried + (right - u) * share;
-                carried = (u - left) * share;
-            }
-            basis[degree] = carried;
-        }
+        let (u, span) = self.place(fraction);
+        let mut basis = [0.0; 4];
+        bspline::basis(&self.knots, span, u, &mut basis);
         (span - 3, basis)
     }
 
     /// The point at a fraction of the range; beyond, the end.
     pub(super) fn at(&self, points: &[Vec3], weights: Option<&[f64]>, fraction: f64) -> Vec3 {
-        let (p, count) = (self.degree, points.len());
-        let (from, to) = (self.knots[p], self.knots[count]);
-        let u = from + fraction.clamp(0.0, 1.0) * (to - from);
-        let span = p + self.knots[p..count].partition_point(|&k| k <= u).saturating_sub(1);
+        let p = self.degree;
+        let (u, span) = self.place(fraction);
         let weight = |i: usize| weights.map_or(1.0, |w| w[i]);
         let homogeneous = |i: usize| (weight(i) * points[i], weight(i));
         let mut d: Vec<(Vec3, f64)> = (span - p..=span).map(homogeneous).collect();
