@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use fairform::streamline::{self, Curvature, Grid, Model, Start, curvature};
-use fairform::{Faces, Vec3};
+use fairform::{Bounds, Vec3};
 
 use crate::{Arrow, Colour, Dot, Extent, Head, Line, Part, Style};
 
@@ -164,12 +164,6 @@ impl ModelView {
         let points = surface.points();
         let (rows, columns) = (points.row_count(), points.column_count());
         let at = |row: usize, i: usize| (row * columns + i) as u32;
-        let mut corners = Vec::new();
-        for row in 1..rows {
-            for i in 1..columns {
-                corners.extend([at(row - 1, i - 1), at(row - 1, i), at(row, i), at(row, i - 1)]);
-            }
-        }
         let mut strokes = Vec::new();
         if self.shows(Show::Across) {
             for i in chosen(columns, self.most_lines) {
@@ -184,7 +178,7 @@ impl ModelView {
         let fill = self.style.fill.filter(|_| self.shows(Show::Surface));
         Part {
             positions: points.values().to_vec(),
-            faces: Faces::uniform(4, corners),
+            faces: surface.faces(),
             normals: Some(surface.normals().values().to_vec()),
             strokes,
             arrows: Vec::new(),
@@ -288,14 +282,11 @@ impl<'a> Places<'a> {
             let plain = streamline::Surface::new(plain).ok()?;
             Some(plain.s().rows().map(|s| [s[0], s[s.len() - 1]]).collect())
         });
-        let points = surface.points().values();
-        let first = points.first().copied().unwrap_or_default();
-        let (low, high) = points.iter().fold((first, first), |(l, h), &p| (l.min(p), h.max(p)));
         Self {
             surface,
             parameters: surface.parameters(),
             ranges: ranges.flatten(),
-            diagonal: (high - low).length(),
+            diagonal: Bounds::of(surface.points().values().iter().copied()).diagonal(),
         }
     }
 

@@ -6,7 +6,6 @@ use crate::scheme::Scheme;
 use crate::sphere::{self, Ends, exp, log};
 use crate::{Faces, Mesh, Vec3};
 
-use super::surface::grid_faces;
 use super::{Error, Grid, InitialCurve, Model, Surface};
 
 /// How well two patches agree along the last streamline of the one and the first of the other.
@@ -196,7 +195,7 @@ pub fn join(surfaces: &[Surface], tolerance: f64) -> Joined {
                 None => numbers.extend_from_within(..columns),
             }
         }
-        for face in grid_faces(rows, columns).iter() {
+        for face in surface.faces().iter() {
             let corners: Vec<u32> = face.iter().map(|&v| numbers[v as usize]).collect();
             joined.faces.push(&corners);
         }

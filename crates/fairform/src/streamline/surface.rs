@@ -384,8 +384,22 @@ impl Surface {
     /// # Errors
     /// [`crate::Error::TooLarge`]; [`crate::Error::NotManifold`] if coordinates overflowed.
     pub fn mesh(&self) -> Result<Mesh, crate::Error> {
+        Mesh::new(self.points.values().to_vec(), &self.faces())
+    }
+
+    /// The faces of [`mesh`](Self::mesh).
+    #[must_use]
+    pub fn faces(&self) -> Faces {
         let (rows, columns) = (self.points.row_count(), self.points.column_count());
-        Mesh::new(self.points.values().to_vec(), &grid_faces(rows, columns))
+        let (cells, across) = (columns.saturating_sub(1), rows.saturating_sub(1));
+        let mut corners = Vec::with_capacity(4 * cells * across);
+        for k in 0..across {
+            for i in 0..cells {
+                let at = |k: usize, i: usize| (k * columns + i) as u32;
+                corners.extend([at(k, i), at(k, i + 1), at(k + 1, i + 1), at(k + 1, i)]);
+            }
+        }
+        Faces::uniform(4, corners)
     }
 
     /// Parameters $`(s, t)`$ of the points.
@@ -426,19 +440,6 @@ fn steps(model: &Model) -> Result<Vec<[Step; 2]>, Error> {
         steps.push([across, along]);
     }
     Ok(steps)
-}
-
-/// The faces of a grid of vertices.
-pub(super) fn grid_faces(rows: usize, columns: usize) -> Faces {
-    let (cells, across) = (columns.saturating_sub(1), rows.saturating_sub(1));
-    let mut corners = Vec::with_capacity(4 * cells * across);
-    for k in 0..across {
-        for i in 0..cells {
-            let at = |k: usize, i: usize| (k * columns + i) as u32;
-            corners.extend([at(k, i), at(k, i + 1), at(k + 1, i + 1), at(k + 1, i)]);
-        }
-    }
-    Faces::uniform(4, corners)
 }
 
 /// Refines each row of a rectangle of `fine` from the same row of `coarse`.
