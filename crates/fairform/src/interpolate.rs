@@ -314,7 +314,7 @@ pub fn interpolate(
     rules: &Rules,
     options: &Options,
 ) -> Result<(Mesh, FitReport), Error> {
-    let interpolator = Interpolator::new(target.topology(), rules)?;
+    let interpolator = Interpolator::near(target.topology(), rules, target.positions())?;
     let mut ignore = |_, _| ControlFlow::Continue(());
     let (control, report) = interpolator.fit(target.positions(), options, &mut ignore)?;
     Ok((target.with_positions(control), report))
@@ -350,6 +350,32 @@ impl<'t> Interpolator<'t> {
     /// # Errors
     /// [`Error::NoVertices`]; as [`limit_points`].
     pub fn new(topology: &'t Topology, rules: &'t Rules) -> Result<Self, Error> {
+        Self::prepare(topology, rules, None)
+    }
+
+    /// As [`new`](Self::new); where numbers of neighbours are far apart, the unknowns lie in memory as
+    /// `positions` lie in space, which is faster to find out than by asking the topology. The control
+    /// values are the same.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    ///
+    /// # Panics
+    /// If there is not one position per vertex.
+    pub fn near(
+        topology: &'t Topology,
+        rules: &'t Rules,
+        positions: &[Vec3],
+    ) -> Result<Self, Error> {
+        assert_eq!(positions.len(), topology.vertex_count(), "one position per vertex");
+        Self::prepare(topology, rules, Some(positions))
+    }
+
+    fn prepare(
+        topology: &'t Topology,
+        rules: &'t Rules,
+        positions: Option<&[Vec3]>,
+    ) -> Result<Self, Error> {
         limit::check(topology, rules)?;
         if topology.vertex_count() == 0 {
             return Err(Error::NoVertices);
@@ -375,10 +401,11 @@ impl<'t> Interpolator<'t> {
                     && rules.creases.is_none()
                     && rules.tension.is_none()
                 {
-                    ring_stage(topology, name, parts.others, &known)
+                    let vertices = order::by_locality(topology, parts.others, positions);
+                    ring_stage(topology, name, vertices, &known)
                 } else {
                     let bound = interior_bound(topology, rules, &parts.others);
-                    let mut vertices = order::by_locality(topology, parts.others);
+                    let mut vertices = order::by_locality(topology, parts.others, positions);
                     let count = vertices.len();
                     vertices.extend(known);
                     row_stage(topology, rules, name, vertices, count, bound)
@@ -864,8 +891,12 @@ fn row_stage(
     Stage { name, operator: StageOperator::Rows(operator), vertices }
 }
 
-fn ring_stage(topology: &Topology, name: StageName, interior: Vec<u32>, known: &[u32]) -> Stage {
-    let mut vertices = order::by_locality(topology, interior);
+fn ring_stage(
+    topology: &Topology,
+    name: StageName,
+    mut vertices: Vec<u32>,
+    known: &[u32],
+) -> Stage {
     let n = vertices.len();
     vertices.extend(known);
     let local = numbering(topology.vertex_count(), &vertices);

@@ -50,6 +50,7 @@ pub mod vec3;
 mod bspline;
 mod order;
 mod par;
+mod parted;
 mod rows;
 mod rules;
 

@@ -6,6 +6,7 @@ use crate::Faces;
 use crate::ids::{EdgeId, FaceId, HalfedgeId, NONE, VertexId};
 
 mod build;
+mod partition;
 mod rings;
 
 /// Most half-edges a topology can have.

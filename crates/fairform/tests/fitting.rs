@@ -11,7 +11,7 @@ use fairform::interpolate::{
 };
 use fairform::refine::refine_mesh;
 use fairform::solve::{Outcome, Step};
-use fairform::{Corners, Error, Faces, Mesh, Rules, Vec3, limit, shapes};
+use fairform::{Corners, Error, FaceId, Faces, Mesh, Rules, Topology, Vec3, limit, shapes};
 use proptest::prelude::*;
 
 fn fit(target: &Mesh, options: &Options) -> (Mesh, FitReport) {
@@ -307,4 +307,27 @@ fn names_round_trip() {
     assert!(Method::ALL.into_iter().all(|m| m.name().parse() == Ok(m)));
     assert!(Norm::ALL.into_iter().all(|n| n.name().parse() == Ok(n)));
     assert!("fastest".parse::<Method>().unwrap_err().to_string().contains("plain"));
+}
+
+#[test]
+fn the_order_in_memory_does_not_matter() {
+    let torus = shapes::torus(200, 201);
+    let n = torus.positions().len();
+    let number = |v: usize| v * 7_919 % n;
+    let faces = torus.topology().to_faces();
+    let count = faces.len();
+    let shuffled: Faces = (0..count)
+        .map(|f| faces.get(FaceId((f * 7_919 % count) as u32)))
+        .map(|f| f.iter().map(|&v| number(v as usize) as u32).collect::<Vec<_>>())
+        .collect();
+    let mut positions = vec![Vec3::ZERO; n];
+    torus.positions().iter().enumerate().for_each(|(v, &p)| positions[number(v)] = p);
+    let topology = Topology::from_faces(n, &shuffled).expect("a torus");
+    let options = Options { tolerance: None, iterations: 3, ..Options::default() };
+    let mut go_on = |_, _| ControlFlow::Continue(());
+    let near = Interpolator::near(&topology, &Rules::LOOP, &positions).expect("triangles");
+    let plain = Interpolator::new(&topology, &Rules::LOOP).expect("triangles");
+    let (a, _) = near.fit(&positions, &options, &mut go_on).expect("a fit");
+    let (b, _) = plain.fit(&positions, &options, &mut go_on).expect("a fit");
+    assert!(a == b, "the same bits");
 }

@@ -53,7 +53,8 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
     progress.say("preparing");
     let at = |e| target.failure(&source, &e);
     let topology = target.mesh.topology().clone();
-    let interpolator = Interpolator::new(&topology, &target.rules).map_err(at)?;
+    let interpolator =
+        Interpolator::near(&topology, &target.rules, target.mesh.positions()).map_err(at)?;
     clock.lap("prepare");
     let options = options(args);
     let mut observe = |stage: StageName, step: Step| {

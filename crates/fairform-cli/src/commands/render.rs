@@ -103,7 +103,8 @@ fn surface_of(
     let progress = console.progress();
     let mut fine = if args.fit {
         let topology = surface.mesh.topology();
-        let interpolator = Interpolator::new(topology, &surface.rules).map_err(at)?;
+        let interpolator =
+            Interpolator::near(topology, &surface.rules, surface.mesh.positions()).map_err(at)?;
         let options =
             interpolate::Options { exact: args.exact, fair: args.fair, ..Default::default() };
         progress.say("fitting");

@@ -63,7 +63,7 @@ pub fn fit_mesh(
     observer: &mut Observer<'_>,
 ) -> Result<Fit, Error> {
     let topology = target.topology();
-    let interpolator = Interpolator::new(topology, rules)?;
+    let interpolator = Interpolator::near(topology, rules, target.positions())?;
     let singular = singular_components(topology, rules);
     let is_hopeless = is_not_definite(topology, rules);
     if !is_hopeless && !options.exact && options.fair.is_none() {

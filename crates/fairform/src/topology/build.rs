@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use super::rings::TOGETHER;
-use super::{MAX_HALFEDGES, Polygons, Topology};
+use super::{MAX_HALFEDGES, Polygons, Topology, partition};
 use crate::error::{Defect, Defects, Error};
 use crate::faces::uniform_size;
 use crate::ids::{FaceId, NONE, VertexId};
@@ -38,17 +38,20 @@ impl Topology {
         let soup =
             Soup { vertex_count, faces, polygons: Polygons::from_starts(faces.starts()), sound };
 
-        let buckets = Buckets::new(&soup);
-        let twin = if soup.sound.is_empty() && buckets.are_sound() {
-            soup.twins(&buckets)
-        } else {
+        let twin = soup.paired().unwrap_or_else(|| {
+            let buckets = Buckets::new(&soup);
+            if soup.sound.is_empty() && buckets.are_sound() {
+                return soup.twins(&buckets);
+            }
             defects.extend(buckets.defects(&soup));
             // Vertices can still be judged where all edges are sound.
             soup.twins_where_sound(&buckets)
-        };
-        drop(buckets);
+        });
 
-        let (outgoing, fan) = soup.fans(&twin);
+        let fans = soup.is_scattered().then(|| soup.fans_by_parts(&twin));
+        let is_whole = defects.is_empty() && fans.as_ref().is_some_and(|fans| !fans.is_any_split);
+        let (outgoing, fan) =
+            fans.map_or_else(|| soup.fans(&twin), |fans| (fans.outgoing, fans.size));
         let topology = Self {
             polygons: soup.polygons.clone(),
             origin: faces.corners().to_vec(),
@@ -58,6 +61,9 @@ impl Topology {
             outgoing,
             fan,
         };
+        if is_whole {
+            return Ok(topology.with_edges());
+        }
         let skip = if defects.is_empty() { Vec::new() } else { soup.unsound_vertices(&defects) };
         defects.extend(topology.split_vertices(&skip));
         if !defects.is_empty() {
@@ -306,6 +312,33 @@ impl Soup<'_> {
         }
     }
 
+    /// Whether the mesh is large and its faces lie about in memory.
+    fn is_scattered(&self) -> bool {
+        let (starts, corners) = (self.faces.starts(), self.faces.corners());
+        self.sound.is_empty()
+            && corners.len() >= partition::FEWEST
+            && partition::is_scattered(|f| corners[starts[f] as usize], self.faces.len())
+    }
+
+    /// The twin of every half-edge by streams, where that is the faster way and all edges are sound.
+    fn paired(&self) -> Option<Vec<u32>> {
+        if !self.is_scattered() {
+            return None;
+        }
+        let corners = self.faces.corners();
+        if self.are_triangles() {
+            return partition::twins(self.vertex_count, corners.len(), |h| {
+                (corners[h], corners[if h % 3 == 2 { h - 2 } else { h + 1 }])
+            });
+        }
+        let starts = self.faces.starts();
+        partition::twins(self.vertex_count, corners.len(), |h| {
+            let f = self.face_of(h).index();
+            let next = if h + 1 == starts[f + 1] as usize { starts[f] as usize } else { h + 1 };
+            (corners[h], corners[next])
+        })
+    }
+
     /// The twin of every half-edge, all edges being sound.
     fn twins(&self, buckets: &Buckets) -> Vec<u32> {
         let corners = self.faces.corners();
@@ -350,6 +383,20 @@ impl Soup<'_> {
             }
         });
         (outgoing, fan)
+    }
+
+    /// [`fans`](Self::fans) by streams, and whether they are all there is at their vertices.
+    fn fans_by_parts(&self, twin: &[u32]) -> partition::Fans {
+        let corners = self.faces.corners();
+        if self.are_triangles() {
+            let prev = |h: usize| if h.is_multiple_of(3) { h + 2 } else { h - 1 };
+            return partition::fans(self.vertex_count, corners, twin, prev);
+        }
+        let starts = self.faces.starts();
+        partition::fans(self.vertex_count, corners, twin, |h| {
+            let f = self.face_of(h).index();
+            if h == starts[f] as usize { starts[f + 1] as usize - 1 } else { h - 1 }
+        })
     }
 
     /// Vertices at which something was found already, so that their fans mean nothing.
