@@ -25,9 +25,9 @@ const ALLOWED: Duration = Duration::from_secs(5);
 const FILL: f64 = 0.3;
 const MOST_REPEATS: usize = 10;
 
-/// Seconds beyond which a peer is left out, judged by its last case, and is run only once.
-const TOO_LONG: f64 = 60.0;
-const LONG: f64 = 10.0;
+/// Seconds beyond which a peer is left out, judged by its last case, and beyond which it runs only once.
+const TOO_LONG: f64 = 30.0;
+const LONG: f64 = 4.0;
 
 /// What is to be done with a mesh.
 #[derive(Clone, Copy, PartialEq)]
@@ -101,15 +101,15 @@ struct Measured<'p> {
 fn measure<'p>(
     case: &Case<'_>,
     contenders: impl Iterator<Item = &'p Peer>,
-    pace: &mut HashMap<(String, String), f64>,
+    pace: &mut HashMap<String, f64>,
 ) -> (Vec<Measured<'p>>, Vec<String>) {
     let (mut measured, mut left_out) = (Vec::new(), Vec::new());
-    let key = |peer: &Peer| (peer.label.clone(), format!("{} {}", case.scheme, case.work as u8));
+    let key = |peer: &Peer| format!("{} {} {}", peer.id(), case.scheme, case.work as u8);
     let mut made = 0.0;
     let start = Instant::now();
     for peer in contenders {
         if pace.get(&key(peer)).is_some_and(|pace| pace * made > TOO_LONG) {
-            left_out.push(format!("{}: takes too long", peer.label));
+            left_out.push(format!("{}: takes too long", peer.id()));
             continue;
         }
         match peer.run(case, 1) {
@@ -118,7 +118,7 @@ fn measure<'p>(
                 pace.insert(key(peer), run.best() / made);
                 measured.push(Measured { peer, runs: vec![run] });
             }
-            Err(why) => left_out.push(format!("{}: {why}", peer.label)),
+            Err(why) => left_out.push(format!("{}: {why}", peer.id())),
         }
     }
     for turn in 1.. {

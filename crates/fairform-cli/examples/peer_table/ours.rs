@@ -3,7 +3,8 @@
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::time::Instant;
+use std::thread;
+use std::time::{Duration, Instant};
 
 use fairform::interpolate::{Interpolator, Method, Options};
 use fairform::{Bounds, Faces, Mesh, Rules, Scheme, Vec3, limit, refine};
@@ -50,8 +51,8 @@ fn run(task: &Task<'_>, repeats: u32) {
             "" | "limit" => refined(task, &mut laps),
             _ => fitted(task, &mut laps),
         };
+        cpu.push(cpu_seconds() - laps.cpu_start);
         samples.push(laps.parts);
-        cpu.push(laps.cpu);
         rest.get_or_insert_with(|| {
             let bytes = status_bytes("VmHWM:").saturating_sub(before);
             let bounds = Bounds::of(points.iter().copied());
@@ -112,27 +113,27 @@ fn fitted(task: &Task<'_>, laps: &mut Laps) -> Arrays {
 /// Seconds of the parts of one run.
 struct Laps {
     parts: Vec<f64>,
-    cpu: f64,
     cpu_start: f64,
     last: Instant,
 }
 
 impl Laps {
     fn start() -> Self {
-        Self { parts: Vec::new(), cpu: 0.0, cpu_start: cpu_seconds(), last: Instant::now() }
+        Self { parts: Vec::new(), cpu_start: cpu_seconds(), last: Instant::now() }
     }
 
     /// Ends a part.
     fn lap(&mut self) {
         let now = Instant::now();
         self.parts.push((now - self.last).as_secs_f64());
-        self.cpu = cpu_seconds() - self.cpu_start;
         self.last = now;
     }
 }
 
 /// Seconds that the threads of this process have run; 0 where the system does not tell.
 fn cpu_seconds() -> f64 {
+    // The system brings a thread's time up to date when it stops, and else only now and then.
+    thread::sleep(Duration::from_micros(1));
     let tasks = fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
     let run = |task: fs::DirEntry| -> Option<f64> {
         let times = fs::read_to_string(task.path().join("schedstat")).ok()?;

@@ -24,7 +24,7 @@ const TWO: &[&str] = &["loop", "catmull-clark"];
 const THREE: &[&str] = &["loop", "catmull-clark", "doo-sabin"];
 
 /// Programs in C++: label, name, last argument, schemes, work.
-const PROGRAMS: [(&str, &str, &str, &[&str], Work); 14] = [
+const PROGRAMS: [(&str, &str, &str, &[&str], Work); 13] = [
     ("{}, level by level", "opensubdiv", "primvar", TWO, Work::Refine),
     ("{}, level by level, f64", "opensubdiv", "primvar64", TWO, Work::Refine),
     ("{}, stencils", "opensubdiv", "stencils", TWO, Work::Refine),
@@ -32,7 +32,6 @@ const PROGRAMS: [(&str, &str, &str, &[&str], Work); 14] = [
     ("{}", "cgal", "", THREE, Work::Refine),
     ("{}, f32", "openmesh", "32", TWO, Work::Refine),
     ("{}", "openmesh", "", TWO, Work::Refine),
-    ("{}, f32", "pmp", "", TWO, Work::Refine),
     ("{}", "opensubdiv", "limit", TWO, Work::Limit),
     ("{}, f64", "opensubdiv", "limit64", TWO, Work::Limit),
     ("{}", "cholmod", "", LOOP, Work::Fit),
@@ -68,7 +67,7 @@ pub(crate) fn all(root: &Path) -> (Vec<Peer>, Vec<&'static str>) {
             continue;
         }
         present.push(Peer {
-            label: "{}, Python".into(),
+            label: "{} (Python)".into(),
             program: python.clone(),
             before: vec![script.clone(), library.into()],
             after: vec![],
@@ -104,6 +103,17 @@ fn ours() -> Vec<Peer> {
 }
 
 impl Peer {
+    /// What it is called where its library has not told its name: the program and how it is used.
+    pub(crate) fn id(&self) -> String {
+        let program = self.program.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let own = self.before.last().filter(|_| !self.is_ours()).cloned().unwrap_or(program);
+        [own.as_str()].iter().chain(&self.after).copied().collect::<Vec<_>>().join(" ")
+    }
+
+    fn is_ours(&self) -> bool {
+        self.before.first().is_some_and(|first| first == "ours")
+    }
+
     pub(crate) fn does(&self, scheme: &str, work: Work) -> bool {
         self.work == work && self.schemes.contains(&scheme)
     }

@@ -5,11 +5,12 @@ use crate::{Case, Measured, Work};
 
 const INTRODUCTION: &str = "\
 Nanoseconds per vertex made, from flat arrays to flat arrays in one process: best and, in brackets,
-median of all repeats. Its parts, of the best repeat, are to *build* the library's own structure, to
-*refine*, and to *extract* points and faces again. *CPU* is the time that all threads ran, in the best
-repeat; *bytes* the peak of memory per vertex made, above what the process had with the mesh read;
-*× fairform* the best time by that of the first row. Everything but *2 threads* runs on one. Numbers
-are double precision but where `f32` is said, and in OpenSubdiv where `f64` is not.
+median of all repeats. *CPU* is the time that the threads ran, in the repeat with least of it: what is
+left of the former on a machine that is busy with other things. *× fairform* is the best time by that
+of the first row. The parts, of the best repeat, are to *build* the library's own structure, to *refine*,
+and to *extract* points and faces again. *Bytes* are the peak of memory per vertex made, above what the
+process had with the mesh read. Everything but *2 threads* runs on one. Numbers are double precision but
+where `f32` is said, and in OpenSubdiv where `f64` is not.
 
 *Difference* compares mean, mean square and box of the points with those of the first row, in parts of
 the diagonal: rounding where the rules are the same, else another rule. What the programs do, and what
@@ -17,8 +18,8 @@ is not comparable, is in `benches/peers/README.md`.
 ";
 
 const HEAD: &str = "\
-| library | ns per vertex | × fairform | build | refine | extract | CPU, ns | bytes | difference |
-|---|--:|--:|--:|--:|--:|--:|--:|--:|";
+| library | ns per vertex | × fairform | CPU, ns | × fairform | build | refine | extract | bytes | difference |
+|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|";
 
 pub(crate) fn print_introduction(absent: &[&str]) {
     println!("\n{INTRODUCTION}");
@@ -48,7 +49,7 @@ pub(crate) fn print(case: &Case<'_>, measured: &[Measured<'_>], left_out: &[Stri
         spaced(ours.summary.vertices as usize)
     );
     println!("{HEAD}");
-    let base = best(&measured[0].runs).0;
+    let base = [best(&measured[0].runs).0, least_cpu(&measured[0].runs)];
     for one in measured {
         println!("{}", row(one, ours, base));
     }
@@ -57,7 +58,7 @@ pub(crate) fn print(case: &Case<'_>, measured: &[Measured<'_>], left_out: &[Stri
     println!();
 }
 
-fn row(one: &Measured<'_>, ours: &Run, base: f64) -> String {
+fn row(one: &Measured<'_>, ours: &Run, base: [f64; 2]) -> String {
     let run = &one.runs[0];
     let label = one.peer.label.replace("{}", &run.library);
     let ns = 1e9 / run.summary.vertices as f64;
@@ -66,7 +67,7 @@ fn row(one: &Measured<'_>, ours: &Run, base: f64) -> String {
         one.runs.iter().flat_map(|run| &run.samples).map(|parts| parts.iter().sum()).collect();
     totals.sort_by(f64::total_cmp);
     let median = totals[totals.len() / 2];
-    let cpu = one.runs.iter().flat_map(|run| &run.cpu).copied().fold(f64::INFINITY, f64::min);
+    let cpu = least_cpu(&one.runs);
     let [build, refine, extract] = parts.map(|part| part * ns);
     let difference = match run.summary.difference(&ours.summary) {
         Some(difference) => format!("{difference:.0e}"),
@@ -74,13 +75,19 @@ fn row(one: &Measured<'_>, ours: &Run, base: f64) -> String {
     };
     let bytes = run.bytes / run.summary.vertices as f64;
     format!(
-        "| {label} | {:.1} ({:.1}) | {:.2} | {build:.1} | {refine:.1} | {extract:.1} | {:.1} | \
-         {bytes:.0} | {difference} |",
+        "| {label} | {:.1} ({:.1}) | {:.2} | {:.1} | {:.2} | {build:.1} | {refine:.1} | {extract:.1} \
+         | {bytes:.0} | {difference} |",
         total * ns,
         median * ns,
-        total / base,
-        cpu * ns
+        total / base[0],
+        cpu * ns,
+        cpu / base[1]
     )
+}
+
+/// Least seconds that the threads of a repeat ran.
+fn least_cpu(runs: &[Run]) -> f64 {
+    runs.iter().flat_map(|run| &run.cpu).copied().fold(f64::INFINITY, f64::min)
 }
 
 /// The shortest of all repeats: its seconds, and those of its parts.
