@@ -42,7 +42,7 @@ pub(crate) fn subjects(root: &Path, paths: &[PathBuf]) -> Vec<Subject> {
         shape("sphere", sphere(5), 1..=4),
         shape("torus", shapes::torus(400, 400), 1..=3),
         shape("torus of quadrilaterals", quad_torus(100), 1..=4),
-        shape("torus of quadrilaterals, large", quad_torus(400), 1..=3),
+        shape("large torus of quadrilaterals", quad_torus(400), 1..=3),
     ];
     let real: Vec<PathBuf> = match paths {
         [] => REAL.iter().map(|path| root.join(path)).collect(),

@@ -6,7 +6,9 @@ use std::path::Path;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use fairform::interpolate::{Interpolator, Method, Options};
+#[cfg(feature = "direct")]
+use fairform::interpolate::Method;
+use fairform::interpolate::{Interpolator, Options};
 use fairform::{Bounds, Faces, Mesh, Rules, Scheme, Vec3, limit, refine};
 use serde_json::json;
 
@@ -98,6 +100,7 @@ fn fitted(task: &Task<'_>, laps: &mut Laps) -> Arrays {
     let options = match task.how {
         "fit" => Options::default(),
         "fit-12" => Options { tolerance: Some(1e-12), ..Options::default() },
+        #[cfg(feature = "direct")]
         "direct" => Options { method: Method::Direct, ..Options::default() },
         how => panic!("{how}: no such work"),
     };

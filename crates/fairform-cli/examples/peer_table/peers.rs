@@ -24,7 +24,7 @@ const TWO: &[&str] = &["loop", "catmull-clark"];
 const THREE: &[&str] = &["loop", "catmull-clark", "doo-sabin"];
 
 /// Programs in C++: label, name, last argument, schemes, work.
-const PROGRAMS: [(&str, &str, &str, &[&str], Work); 13] = [
+const PROGRAMS: [(&str, &str, &str, &[&str], Work); 15] = [
     ("{}, level by level", "opensubdiv", "primvar", TWO, Work::Refine),
     ("{}, level by level, f64", "opensubdiv", "primvar64", TWO, Work::Refine),
     ("{}, stencils", "opensubdiv", "stencils", TWO, Work::Refine),
@@ -32,8 +32,10 @@ const PROGRAMS: [(&str, &str, &str, &[&str], Work); 13] = [
     ("{}", "cgal", "", THREE, Work::Refine),
     ("{}, f32", "openmesh", "32", TWO, Work::Refine),
     ("{}", "openmesh", "", TWO, Work::Refine),
-    ("{}", "opensubdiv", "limit", TWO, Work::Limit),
-    ("{}, f64", "opensubdiv", "limit64", TWO, Work::Limit),
+    ("{}, level by level", "opensubdiv", "limit", TWO, Work::Limit),
+    ("{}, level by level, f64", "opensubdiv", "limit64", TWO, Work::Limit),
+    ("{}, limit stencils", "opensubdiv", "places", TWO, Work::Limit),
+    ("{}, limit stencils, f64", "opensubdiv", "places64", TWO, Work::Limit),
     ("{}", "cholmod", "", LOOP, Work::Fit),
     ("{}, simplicial", "cholmod", "simplicial", LOOP, Work::Fit),
     ("{}, supernodal", "cholmod", "supernodal", LOOP, Work::Fit),
@@ -98,6 +100,7 @@ fn ours() -> Vec<Peer> {
         one("**fairform**, 1 thread", &["1", "fit"], LOOP, Work::Fit),
         one("**fairform**, 2 threads", &["2", "fit"], LOOP, Work::Fit),
         one("**fairform** to 1e-12, 1 thread", &["1", "fit-12"], LOOP, Work::Fit),
+        #[cfg(feature = "direct")]
         one("**fairform** with faer, simplicial", &["1", "direct"], LOOP, Work::Fit),
     ]
 }
