@@ -113,7 +113,8 @@ impl Peer {
         [own.as_str()].iter().chain(&self.after).copied().collect::<Vec<_>>().join(" ")
     }
 
-    fn is_ours(&self) -> bool {
+    /// Whether it is fairform.
+    pub(crate) fn is_ours(&self) -> bool {
         self.before.first().is_some_and(|first| first == "ours")
     }
 

@@ -35,13 +35,17 @@ pub(crate) fn print(case: &Case<'_>, measured: &[Measured<'_>], left_out: &[Stri
         "catmull-clark" => "Catmull–Clark",
         _ => "Doo–Sabin",
     };
-    let steps = if *levels == 1 { "level".into() } else { format!("{levels} levels") };
+    let steps = if *levels == 1 { "1 level".into() } else { format!("{levels} levels") };
     let what = match work {
         Work::Refine => format!("{scheme}, {steps}"),
         Work::Limit => format!("{scheme}, {steps}, limit points and normals"),
         Work::Fit => format!("{scheme}, fit"),
     };
-    let Some(ours) = measured.first().map(|first| &first.runs[0]) else { return };
+    let Some(first) = measured.first().filter(|first| first.peer.is_ours()) else {
+        eprintln!("{what}, {}: {}", subject.name, left_out.join("; "));
+        return;
+    };
+    let ours = &first.runs[0];
     println!(
         "## {what}: {}, {} → {} vertices\n",
         subject.name,
@@ -49,7 +53,7 @@ pub(crate) fn print(case: &Case<'_>, measured: &[Measured<'_>], left_out: &[Stri
         spaced(ours.summary.vertices as usize)
     );
     println!("{HEAD}");
-    let base = [best(&measured[0].runs).0, least_cpu(&measured[0].runs)];
+    let base = [best(&first.runs).0, least_cpu(&first.runs)];
     for one in measured {
         println!("{}", row(one, ours, base));
     }
@@ -70,6 +74,7 @@ fn row(one: &Measured<'_>, ours: &Run, base: [f64; 2]) -> String {
     let cpu = least_cpu(&one.runs);
     let [build, refine, extract] = parts.map(|part| part * ns);
     let difference = match run.summary.difference(&ours.summary) {
+        Some(0.0) => "0".into(),
         Some(difference) => format!("{difference:.0e}"),
         None => format!("**{} vertices**", run.summary.vertices),
     };
