@@ -53,7 +53,10 @@ pub(crate) fn all(root: &Path) -> (Vec<Peer>, Vec<&'static str>) {
     for (label, name, after, schemes, work) in PROGRAMS {
         let program = bin.join(name);
         if !program.is_file() {
-            absent.push(name);
+            // The ways to use a library do not all stand together.
+            if !absent.contains(&name) {
+                absent.push(name);
+            }
             continue;
         }
         let after = if after.is_empty() { vec![] } else { vec![after] };
@@ -77,7 +80,6 @@ pub(crate) fn all(root: &Path) -> (Vec<Peer>, Vec<&'static str>) {
             work: Work::Refine,
         });
     }
-    absent.dedup();
     (present, absent)
 }
 
