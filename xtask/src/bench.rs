@@ -10,7 +10,9 @@ use crate::machine;
 /// What is measured, by which example, and where the page of it is.
 pub(crate) struct Bench {
     title: &'static str,
+    /// The example, and what names its package to cargo.
     example: &'static str,
+    package: &'static [&'static str],
     command: &'static str,
     page: &'static str,
 }
@@ -18,6 +20,7 @@ pub(crate) struct Bench {
 pub(crate) const MESHES: Bench = Bench {
     title: "How fast fairform is",
     example: "bench_table",
+    package: &["--package", "fairform"],
     command: "cargo xtask bench --write",
     page: "docs/performance.md",
 };
@@ -25,21 +28,44 @@ pub(crate) const MESHES: Bench = Bench {
 pub(crate) const STREAMLINES: Bench = Bench {
     title: "How fast tangents are",
     example: "streamline_table",
+    package: &["--package", "fairform"],
     command: "cargo xtask bench streamlines --write",
     page: "docs/performance-streamlines.md",
 };
 
+pub(crate) const PEERS: Bench = Bench {
+    title: "fairform beside other libraries",
+    example: "peer_table",
+    package: &["--package", "fairform-cli", "--features", "direct"],
+    command: "cargo xtask bench peers --write",
+    page: "docs/performance-peers.md",
+};
+
 impl Bench {
     fn cargo(&self, what: &str) -> Command {
-        cargo(&[what, "--release", "--package", "fairform", "--example", self.example, "--quiet"])
+        let mut command = cargo(&[what, "--release", "--quiet", "--example", self.example]);
+        command.args(self.package);
+        command
     }
 }
 
-pub(crate) fn run(bench: &Bench, write: bool) -> Result {
+/// Compares with the programs in `benches/peers` whose libraries are installed, on `meshes` beside the
+/// usual shapes.
+pub(crate) fn run_peers(meshes: &[&str]) -> Result {
+    let (write, meshes) = match meshes {
+        ["--write", rest @ ..] => (true, rest),
+        _ => (false, meshes),
+    };
+    step("building the peers", &mut Command::new(root().join("benches/peers/build.sh")))?;
+    run(&PEERS, meshes, write)
+}
+
+/// Measures with the example, given `args`, and makes the page of it if asked to `write`.
+pub(crate) fn run(bench: &Bench, args: &[&str], write: bool) -> Result {
     step("building", &mut bench.cargo("build"))?;
     let head = head(bench)?;
     println!("\n{head}");
-    let tables = measure(bench)?;
+    let tables = measure(bench, args)?;
     if write {
         let page = root().join(bench.page);
         fs::create_dir_all(root().join("docs"))
@@ -51,8 +77,9 @@ pub(crate) fn run(bench: &Bench, write: bool) -> Result {
 }
 
 /// Runs the measurement, showing what it says as it comes.
-fn measure(bench: &Bench) -> Result<String> {
+fn measure(bench: &Bench, args: &[&str]) -> Result<String> {
     let mut command = bench.cargo("run");
+    command.arg("--").args(args);
     let failed = |e: std::io::Error| format!("measuring: {e}");
     let mut child = command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn().map_err(failed)?;
     let mut all = String::new();

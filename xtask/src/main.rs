@@ -20,6 +20,9 @@ cargo xtask bench [--write]         how fast each step is on this machine, besid
 cargo xtask bench streamlines [--write]
                                     the same of curves and surfaces of tangents;
                                     docs/performance-streamlines.md
+cargo xtask bench peers [--write] [MESH...]
+                                    the same work by other libraries, those that are installed, see
+                                    benches/peers; docs/performance-peers.md
 cargo xtask fuzz [SECONDS] [TARGET] every fuzz target, or one, for so long each [30]
 cargo xtask guide                   the pictures of the guide, anew
 cargo xtask help                    this";
@@ -30,10 +33,11 @@ fn main() -> ExitCode {
     let done = match args.as_slice() {
         ["test"] => test::run(),
         ["check"] => check::run(),
-        ["bench"] => bench::run(&bench::MESHES, false),
-        ["bench", "--write"] => bench::run(&bench::MESHES, true),
-        ["bench", "streamlines"] => bench::run(&bench::STREAMLINES, false),
-        ["bench", "streamlines", "--write"] => bench::run(&bench::STREAMLINES, true),
+        ["bench"] => bench::run(&bench::MESHES, &[], false),
+        ["bench", "--write"] => bench::run(&bench::MESHES, &[], true),
+        ["bench", "streamlines"] => bench::run(&bench::STREAMLINES, &[], false),
+        ["bench", "streamlines", "--write"] => bench::run(&bench::STREAMLINES, &[], true),
+        ["bench", "peers", rest @ ..] => bench::run_peers(rest),
         ["fuzz", rest @ ..] => fuzz::run(rest),
         ["guide"] => guide::run(),
         [] | ["help" | "--help" | "-h"] => {
