@@ -1,5 +1,5 @@
-//! Dragging vertices of a fitted mesh: what a move of a few data does to the control points, without
-//! solving again.
+//! Editing a fitted mesh: what a move of a few data, or other rules at a few faces and edges, do to the
+//! control points, without solving again.
 //!
 //! With $`B`$ the limit operator and $`B x = p`$, moving the data of vertices $`v \in G`$ by $`d`$ moves
 //! the control points by $`d`$ times
@@ -13,21 +13,33 @@
 //! as many rings around them as it takes for the limit points beyond to stay where they are up to a
 //! tolerance. A drag then is one sparse sum, of which the cost does not depend on the size of the mesh.
 //!
+//! A shape parameter or a sharpness changes the rows of $`B`$ at the vertices beside it and nothing else.
+//! Their residuals are spread in the same way.
+//!
 //! The rows of free vertices are those of the identity: partial interpolation, where the control points of
 //! some vertices are chosen and the others follow.
 
+use alloc::collections::BTreeMap;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::ops::ControlFlow;
 
 use crate::error::{Defects, Error};
-use crate::ids::{FaceId, NONE, VertexId};
-use crate::interpolate::{Norm, whole_bound};
-use crate::limit::{self, operator::RowOperator};
+use crate::ids::{NONE, VertexId};
+use crate::interpolate::{Norm, bound_among};
+use crate::limit::{self, LimitRows, operator::RowOperator};
 use crate::mesh::{Bounds, not_finite};
 use crate::pushback::singular_components;
 use crate::solve::{Interval, LinearOperator as _, Outcome, Stop, stationary};
-use crate::{Mesh, Rules, Stencils, Topology, Vec3};
+use crate::{Creases, Mesh, Rules, Stencils, Topology, Vec3, rows};
+
+mod change;
+mod part;
+
+pub use change::{Change, Changed, Drag};
+
+use change::{beside_changes, faces_around};
+use part::Part;
 
 /// A fitted mesh while it is edited: its data, and control points that follow them.
 ///
@@ -53,53 +65,16 @@ use crate::{Mesh, Rules, Stencils, Topology, Vec3};
 pub struct Editor {
     topology: Arc<Topology>,
     rules: Rules,
+    /// The limit rows of the rules at the beginning.
     rows: Stencils,
-    /// By control point: the rows it comes in.
-    columns: Stencils,
-    /// Lower bounds of the spectrum: guaranteed, and usual.
-    bound: [f64; 2],
+    /// Those of the rules now, where they are others.
+    changed_rows: BTreeMap<u32, Vec<(u32, f64)>>,
     tolerance: f64,
     target: Vec<Vec3>,
     control: Vec<Vec3>,
     is_free: Vec<bool>,
-    /// How often the free vertices changed, which makes the columns of drags others.
+    /// How often the free vertices or the rules changed, which makes the columns of drags others.
     generation: u64,
-}
-
-/// Grabbed vertices, and how the control points follow them.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Drag {
-    grabbed: Vec<VertexId>,
-    vertices: Vec<VertexId>,
-    /// Move of each control point for a move of the grabbed data by 1.
-    column: Vec<f64>,
-    faces: Vec<FaceId>,
-    generation: u64,
-}
-
-/// What a drag changed; all else has the same bits as before.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Changed<'d> {
-    /// The vertices whose control points moved, sorted.
-    pub vertices: &'d [VertexId],
-    /// The faces of the mesh whose part of the surface moved, at any level of refinement (see
-    /// [`Refined::parent`](crate::refine::Refined::parent)), sorted: those that share a vertex with a
-    /// face that has such a control point.
-    pub faces: &'d [FaceId],
-}
-
-impl Drag {
-    /// The vertices whose data move, sorted, each once.
-    #[must_use]
-    pub fn grabbed(&self) -> &[VertexId] {
-        &self.grabbed
-    }
-
-    /// What every drag changes.
-    #[must_use]
-    pub fn changed(&self) -> Changed<'_> {
-        Changed { vertices: &self.vertices, faces: &self.faces }
-    }
 }
 
 /// Rings that are taken at first: those of a decay by so much per ring, which Doo and Sabin's scheme has,
@@ -167,9 +142,8 @@ impl Editor {
             target[v] = control[v];
         }
         Ok(Self {
-            bound: whole_bound(topology, rules),
-            columns: rows.transposed(),
             rows,
+            changed_rows: BTreeMap::new(),
             topology: Arc::clone(topology),
             rules: rules.clone(),
             tolerance,
@@ -196,6 +170,12 @@ impl Editor {
     #[must_use]
     pub fn into_control(self) -> Vec<Vec3> {
         self.control
+    }
+
+    /// The rules.
+    #[must_use]
+    pub fn rules(&self) -> &Rules {
+        &self.rules
     }
 
     /// Whether the surface need not pass through a vertex.
@@ -241,7 +221,7 @@ impl Editor {
 
     /// Gets vertices ready to be dragged together. Each counts once.
     ///
-    /// Drags hold until the free vertices change; until then any number of them can be used in any order.
+    /// Drags hold until the free vertices or the rules change; until then any number of them can be used in any order.
     ///
     /// # Errors
     /// [`Error::NoSuchVertex`]; [`Error::Singular`] where no iteration finds how the control points follow,
@@ -252,27 +232,9 @@ impl Editor {
         let mut grabbed = vertices.to_vec();
         grabbed.sort_unstable();
         grabbed.dedup();
-        let mut part = Part::new(self, &grabbed);
-        let first = libm::ceil(libm::log(self.tolerance) / libm::log(FIRST_DECAY)) as u32;
-        let mut is_done = grabbed.is_empty();
-        let mut x = Vec::new();
-        let (mut rings, mut more) = (0, first);
-        while !is_done {
-            let is_whole = !part.grow(more);
-            x = self.column(&part, &grabbed, x)?;
-            is_done = is_whole || part.beyond(&x) <= self.tolerance;
-            rings += more;
-            more = MORE_RINGS.max(rings / 4);
-        }
-        let mut entries: Vec<(VertexId, f64)> = part
-            .vertices
-            .iter()
-            .zip(&x)
-            .map(|(&v, x)| (VertexId(v), x.x))
-            .filter(|e| e.1 != 0.0)
-            .collect();
-        entries.sort_unstable_by_key(|e| e.0);
-        let (vertices, column): (Vec<_>, Vec<_>) = entries.into_iter().unzip();
+        let unit = Vec3::new(1.0, 0.0, 0.0);
+        let moves = self.spread(&grabbed, &alloc::vec![unit; grabbed.len()], self.tolerance)?;
+        let (vertices, column): (Vec<_>, Vec<_>) = moves.into_iter().map(|m| (m.0, m.1.x)).unzip();
         let faces = faces_around(&self.topology, &vertices);
         Ok(Drag { grabbed, vertices, column, faces, generation: self.generation })
     }
@@ -280,10 +242,13 @@ impl Editor {
     /// Moves the data of the grabbed vertices by `offset`, and the control points with them.
     ///
     /// # Panics
-    /// If vertices were freed or pinned since the vertices were grabbed, or they are those of another
-    /// mesh; if the offset is not finite.
+    /// If vertices were freed or pinned or the rules changed since the vertices were grabbed, or they are
+    /// those of another mesh; if the offset is not finite.
     pub fn drag<'d>(&mut self, drag: &'d Drag, offset: Vec3) -> Changed<'d> {
-        assert_eq!(drag.generation, self.generation, "vertices are grabbed after others are freed");
+        assert_eq!(
+            drag.generation, self.generation,
+            "vertices are grabbed after all else is changed"
+        );
         assert!(offset.is_finite(), "the offset is finite");
         for (v, &weight) in drag.vertices.iter().zip(&drag.column) {
             self.control[v.index()] += weight * offset;
@@ -294,27 +259,117 @@ impl Editor {
         drag.changed()
     }
 
-    /// Takes away what drags leave: solves for all data, beginning with the control points there are,
+    /// Other shape parameters, as in [`Rules::tension`]: the surface still passes through every pinned
+    /// vertex. Solves near the faces whose parameter is another one, after a look at all parameters. Ends
+    /// all drags.
+    ///
+    /// `None` and parameters of 1/2 are the same scheme for Loop and Catmull–Clark, but not for Doo–Sabin,
+    /// where all vertices are near then; going from one to the other may change rounding anywhere.
+    ///
+    /// Limit points near there are within the tolerance of their data after it, relative to the diagonal of
+    /// the bounding box.
+    ///
+    /// # Errors
+    /// As [`Rules::check`]; [`Error::Singular`] where the limit operator now is, or no iteration finds
+    /// control points. Nothing is changed then.
+    pub fn set_tension(&mut self, tension: Option<Arc<[f64]>>) -> Result<Change, Error> {
+        self.set_rules(Rules { tension, ..self.rules.clone() })
+    }
+
+    /// Other creases, as [`set_tension`](Self::set_tension) for shape parameters.
+    ///
+    /// # Errors
+    /// As [`set_tension`](Self::set_tension).
+    pub fn set_creases(&mut self, creases: Option<Arc<Creases>>) -> Result<Change, Error> {
+        self.set_rules(Rules { creases, ..self.rules.clone() })
+    }
+
+    fn set_rules(&mut self, rules: Rules) -> Result<Change, Error> {
+        limit::check(&self.topology, &rules)?;
+        let beside = beside_changes(&self.topology, &self.rules, &rules);
+        if beside.is_empty() {
+            self.rules = rules;
+            return Ok(Change::default());
+        }
+        if let Some(&vertex) = singular_components(&self.topology, &rules).first() {
+            return Err(Error::Singular { vertex });
+        }
+        let limit_rows = LimitRows::new(&self.topology, &rules);
+        let rows = beside.iter().map(|v| {
+            let mut row = Vec::new();
+            rows::gather(&limit_rows, v.index(), &mut row);
+            (v.0, row)
+        });
+        let rows: Vec<_> = rows.collect();
+        let before = core::mem::replace(&mut self.rules, rules);
+        let kept: Vec<_> =
+            rows.into_iter().map(|(v, row)| (v, self.changed_rows.insert(v, row))).collect();
+        match self.mend(&beside) {
+            Ok(change) => {
+                self.generation += 1;
+                Ok(change)
+            }
+            Err(error) => {
+                self.rules = before;
+                for (v, row) in kept {
+                    match row {
+                        Some(row) => self.changed_rows.insert(v, row),
+                        None => self.changed_rows.remove(&v),
+                    };
+                }
+                Err(error)
+            }
+        }
+    }
+
+    /// Brings the limit points of some vertices, whose rows changed, back to their data.
+    fn mend(&mut self, beside: &[VertexId]) -> Result<Change, Error> {
+        let tolerance = self.tolerance * self.unit();
+        let residual = |&v: &VertexId| (v, self.target[v.index()] - self.limit_point(v));
+        let pinned = beside.iter().filter(|v| !self.is_free[v.index()]);
+        let (seeds, residuals): (Vec<_>, Vec<_>) =
+            pinned.map(residual).filter(|r| r.1 != Vec3::ZERO).unzip();
+        let moves = self.spread(&seeds, &residuals, tolerance)?;
+        for &(v, offset) in &moves {
+            self.control[v.index()] += offset;
+        }
+        let vertices: Vec<VertexId> = moves.into_iter().map(|m| m.0).collect();
+        let mut all = [vertices.as_slice(), beside].concat();
+        all.sort_unstable();
+        all.dedup();
+        Ok(Change { faces: faces_around(&self.topology, &all), vertices })
+    }
+
+    /// Takes away what edits leave: solves for all data, beginning with the control points there are,
     /// until the surface passes through every pinned vertex to the tolerance. May move any control point,
     /// none if that is so already. Returns the largest distance of a limit point from its data,
-    /// measured on the result; it tells if the tolerance was missed.
+    /// measured on the result, which tells if the tolerance was missed; and what moved.
     ///
     /// # Errors
     /// [`Error::Overflow`].
-    pub fn settle(&mut self) -> Result<f64, Error> {
-        let used = self.topology.vertices().filter(|&v| !self.topology.is_isolated(v));
-        let unit = Norm::Diagonal.unit(&Bounds::of(used.map(|v| self.target[v.index()])));
+    pub fn settle(&mut self) -> Result<(f64, Change), Error> {
         let all: Vec<u32> = (0..self.target.len() as u32).collect();
         let operator = self.operator(&all, &all);
-        let stop = Stop { tolerance: Some(self.tolerance), unit, max_updates: MOST_UPDATES };
+        let tolerance = Some(self.tolerance);
+        let stop = Stop { tolerance, unit: self.unit(), max_updates: MOST_UPDATES };
         let mut control = self.control.clone();
-        stationary(&operator, &self.target, &mut control, self.interval(), stop, &mut |_| {
+        let interval = interval(&operator);
+        stationary(&operator, &self.target, &mut control, interval, stop, &mut |_| {
             ControlFlow::Continue(())
         })?;
+        let moved = |&v: &VertexId| control[v.index()] != self.control[v.index()];
+        let vertices: Vec<VertexId> = self.topology.vertices().filter(moved).collect();
         self.control = control;
         let limit = limit::limit_points(&self.topology, &self.control, &self.rules)?;
         let pinned = (0..limit.len()).filter(|&v| !self.is_free[v]);
-        Ok(pinned.map(|v| (limit[v] - self.target[v]).length()).fold(0.0, f64::max))
+        let largest = pinned.map(|v| (limit[v] - self.target[v]).length()).fold(0.0, f64::max);
+        Ok((largest, Change { faces: faces_around(&self.topology, &vertices), vertices }))
+    }
+
+    /// The diagonal of the box around the data, or 1.
+    fn unit(&self) -> f64 {
+        let used = self.topology.vertices().filter(|&v| !self.topology.is_isolated(v));
+        Norm::Diagonal.unit(&Bounds::of(used.map(|v| self.target[v.index()])))
     }
 
     fn check(&self, vertices: &[VertexId]) -> Result<(), Error> {
@@ -327,15 +382,30 @@ impl Editor {
 
     fn limit_point(&self, v: VertexId) -> Vec3 {
         let mut sum = Vec3::ZERO;
-        for (q, weight) in self.rows.row(v.index()) {
-            sum += weight * self.control[q.index()];
-        }
+        self.for_row(v.0, |q, weight| sum += weight * self.control[q as usize]);
         sum
     }
 
-    fn interval(&self) -> Interval {
-        let [guaranteed, usual] = self.bound;
-        Interval::Hopeful { usual, guaranteed: guaranteed.max(crate::interpolate::LEAST) }
+    /// The entries of the limit row of a vertex.
+    fn for_row(&self, v: u32, mut entry: impl FnMut(u32, f64)) {
+        match self.changed_rows.get(&v) {
+            Some(row) => row.iter().for_each(|&(q, weight)| entry(q, weight)),
+            None => self.rows.row(v as usize).for_each(|(q, weight)| entry(q.0, weight)),
+        }
+    }
+
+    /// The vertices, pinned ones, in whose limit rows a control point comes.
+    fn for_column(&self, q: u32, mut found: impl FnMut(u32)) {
+        // Rows do not reach beyond the faces of their vertices.
+        for h in self.topology.fan(VertexId(q)) {
+            for &v in self.topology.face_vertices(self.topology.face(h)) {
+                let mut is_in_row = false;
+                self.for_row(v.0, |source, weight| is_in_row |= source == q && weight != 0.0);
+                if is_in_row && !self.is_free[v.index()] {
+                    found(v.0);
+                }
+            }
+        }
     }
 
     /// The rows of some vertices, of which `local` has the numbers, and zero for all others. Of a
@@ -346,119 +416,82 @@ impl Editor {
             if self.is_free[v as usize] {
                 return entries.push((v, 1.0));
             }
-            let row = self.rows.row(v as usize).map(|(q, weight)| (q.0, weight));
-            entries.extend(row.filter(|e| local[e.0 as usize] != NONE));
+            self.for_row(v, |q, weight| {
+                if local[q as usize] != NONE {
+                    entries.push((q, weight));
+                }
+            });
         };
         let scale = alloc::vec![1.0; vertices.len()];
-        let [guaranteed, usual] = self.bound;
+        let [guaranteed, usual] = bound_among(&self.topology, &self.rules, vertices);
         RowOperator::new(vertices.len(), row, local, scale, guaranteed, usual)
     }
 
-    /// How the control points of a part follow the grabbed data, in the first coordinate.
-    fn column(
+    /// How the control points follow moves of the limit points of some vertices (of the control points
+    /// themselves where they are free): until no limit point beyond the part that moves is off by more
+    /// than `tolerance`. Sorted by vertex.
+    fn spread(
+        &self,
+        seeds: &[VertexId],
+        moves: &[Vec3],
+        tolerance: f64,
+    ) -> Result<Vec<(VertexId, Vec3)>, Error> {
+        let largest = moves.iter().map(|m| m.length()).fold(0.0, f64::max);
+        if largest == 0.0 {
+            return Ok(Vec::new());
+        }
+        let mut part = Part::new(self, seeds);
+        let small = (tolerance / largest).min(FIRST_DECAY);
+        let mut more = libm::ceil(libm::log(small) / libm::log(FIRST_DECAY)) as u32;
+        let (mut x, mut rings) = (Vec::new(), 0);
+        loop {
+            let is_whole = !part.grow(more);
+            x = self.follow(&part, moves, tolerance, x)?;
+            if is_whole || part.beyond(&x) <= tolerance {
+                break;
+            }
+            rings += more;
+            more = MORE_RINGS.max(rings / 4);
+        }
+        let moved = part.vertices.iter().map(|&v| VertexId(v)).zip(x);
+        let mut moved: Vec<_> = moved.filter(|m| m.1 != Vec3::ZERO).collect();
+        moved.sort_unstable_by_key(|m| m.0);
+        Ok(moved)
+    }
+
+    /// How the control points of a part follow moves of its first limit points.
+    fn follow(
         &self,
         part: &Part<'_>,
-        grabbed: &[VertexId],
+        moves: &[Vec3],
+        tolerance: f64,
         mut x: Vec<Vec3>,
     ) -> Result<Vec<Vec3>, Error> {
         let operator = self.operator(&part.vertices, &part.local);
         let mut target = alloc::vec![Vec3::ZERO; operator.unknown_count()];
-        // The grabbed vertices come first.
-        target[..grabbed.len()].fill(Vec3::new(1.0, 0.0, 0.0));
+        // The seeds come first.
+        target[..moves.len()].copy_from_slice(moves);
         if x.is_empty() {
-            // Grabbed vertices that are free have their values from the start, and keep them.
+            // Seeds that are free have their values from the start, and keep them.
             x.clone_from(&target);
         }
         x.resize(target.len(), Vec3::ZERO);
-        let tolerance = Some(INNER * self.tolerance);
+        let tolerance = Some(INNER * tolerance);
         let stop = Stop { tolerance, unit: 1.0, max_updates: MOST_UPDATES };
-        let report = stationary(&operator, &target, &mut x, self.interval(), stop, &mut |_| {
+        let interval = interval(&operator);
+        let report = stationary(&operator, &target, &mut x, interval, stop, &mut |_| {
             ControlFlow::Continue(())
         });
         match report {
             Ok(report) if report.outcome == Outcome::Converged => Ok(x),
-            _ => Err(Error::Singular { vertex: grabbed[0] }),
+            _ => Err(Error::Singular { vertex: VertexId(part.vertices[0]) }),
         }
     }
 }
 
-/// Vertices around grabbed ones, ring by ring: a ring is what has the vertices before it in its limit rows.
-/// So curves are not reached from the inside, nor free vertices from anywhere.
-struct Part<'e> {
-    editor: &'e Editor,
-    vertices: Vec<u32>,
-    /// Numbers of the vertices of the mesh in the part, or none.
-    local: Vec<u32>,
-    /// The next ring, not yet in the part.
-    next: Vec<u32>,
-}
-
-impl<'e> Part<'e> {
-    fn new(editor: &'e Editor, grabbed: &[VertexId]) -> Self {
-        let local = alloc::vec![NONE; editor.target.len()];
-        let next = grabbed.iter().map(|v| v.0).collect();
-        Self { editor, vertices: Vec::new(), local, next }
+fn interval(operator: &RowOperator) -> Interval {
+    Interval::Hopeful {
+        usual: operator.usual_smallest_eigenvalue(),
+        guaranteed: operator.smallest_eigenvalue_bound().max(crate::interpolate::LEAST),
     }
-
-    /// Adds rings. Returns whether there is anything beyond.
-    fn grow(&mut self, rings: u32) -> bool {
-        for _ in 0..rings {
-            let start = self.vertices.len();
-            if self.next.is_empty() {
-                return false;
-            }
-            for &v in &self.next {
-                self.local[v as usize] = self.vertices.len() as u32;
-                self.vertices.push(v);
-            }
-            self.next.clear();
-            for &v in &self.vertices[start..] {
-                let reached = self.editor.columns.row(v as usize).map(|e| e.0);
-                self.next.extend(
-                    reached
-                        .filter(|q| {
-                            self.local[q.index()] == NONE && !self.editor.is_free[q.index()]
-                        })
-                        .map(|q| q.0),
-                );
-            }
-            self.next.sort_unstable();
-            self.next.dedup();
-        }
-        !self.next.is_empty()
-    }
-
-    /// The largest move of a limit point beyond the part, for moves `x` of its control points.
-    fn beyond(&self, x: &[Vec3]) -> f64 {
-        let own = |v: u32| {
-            let mut sum = 0.0;
-            for (q, weight) in self.editor.rows.row(v as usize) {
-                let i = self.local[q.index()];
-                if i != NONE {
-                    sum += weight * x[i as usize].x;
-                }
-            }
-            f64::abs(sum)
-        };
-        self.next.iter().map(|&v| own(v)).fold(0.0, f64::max)
-    }
-}
-
-/// The faces whose surface depends on control points of some vertices.
-///
-/// A limit surface over a face depends on the faces that share a vertex with it, whatever the valences: so
-/// does the face's part of every refined mesh, and for Doo–Sabin what is new on its edges and vertices.
-fn faces_around(topology: &Topology, vertices: &[VertexId]) -> Vec<FaceId> {
-    let faces = |vertices: &[VertexId]| {
-        let around = |&v: &VertexId| topology.fan(v).map(|h| topology.face(h));
-        let mut faces: Vec<FaceId> = vertices.iter().flat_map(around).collect();
-        faces.sort_unstable();
-        faces.dedup();
-        faces
-    };
-    let corners = |&f: &FaceId| topology.face_vertices(f).iter().copied();
-    let mut near: Vec<VertexId> = faces(vertices).iter().flat_map(corners).collect();
-    near.sort_unstable();
-    near.dedup();
-    faces(&near)
 }

@@ -733,20 +733,23 @@ struct Bound {
     usual: f64,
 }
 
-/// Lower bounds for the eigenvalues of the limit operator on all vertices at once, guaranteed (not positive
-/// where nothing is known) and usual: the operator is block triangular, so its spectrum is that of the stages.
-pub(crate) fn whole_bound(topology: &Topology, rules: &Rules) -> [f64; 2] {
-    let parts = Parts::new(topology, rules);
+/// Lower bounds for the eigenvalues of the limit operator among some vertices, guaranteed (not positive
+/// where nothing is known) and usual: the operator is block triangular, so its spectrum is that of the
+/// stages.
+pub(crate) fn bound_among(topology: &Topology, rules: &Rules, vertices: &[u32]) -> [f64; 2] {
+    let used = vertices.iter().copied().filter(|&v| !topology.is_isolated(VertexId(v)));
+    let (curves, others): (Vec<u32>, Vec<u32>) =
+        used.partition(|&v| topology.is_boundary(VertexId(v)));
     let mut whole = Bound { guaranteed: 1.0, usual: 1.0 };
     let mut add = |bound: Bound| {
         whole.guaranteed = whole.guaranteed.min(bound.guaranteed);
         whole.usual = whole.usual.min(bound.usual.max(bound.guaranteed));
     };
-    if !parts.curves.is_empty() {
+    if !curves.is_empty() {
         add(curve_bound(topology, rules));
     }
-    if !parts.others.is_empty() {
-        add(interior_bound(topology, rules, &parts.others));
+    if !others.is_empty() {
+        add(interior_bound(topology, rules, &others));
     }
     [whole.guaranteed, whole.usual]
 }

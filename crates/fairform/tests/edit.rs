@@ -7,10 +7,12 @@ use std::sync::Arc;
 use common::{
     assorted, limit_points, mixed, polygons, prism, quad_sheet, quad_torus, random_creases,
 };
-use fairform::edit::Editor;
+use fairform::edit::{Change, Editor};
 use fairform::interpolate::{Norm, Options, interpolate};
 use fairform::refine::refine;
-use fairform::{Border, Defect, Error, Mesh, Rules, Scheme, Vec3, VertexId, pushback, shapes};
+use fairform::{
+    Border, Creases, Defect, Error, Mesh, Rules, Scheme, Vec3, VertexId, pushback, shapes,
+};
 use proptest::prelude::*;
 
 /// Control points as exact as they get.
@@ -216,12 +218,13 @@ fn settling_takes_away_what_many_drags_leave() {
         let unit = mesh.bounds().diagonal();
         let before = residual(&mesh, &editor, &rules);
         assert!(before > 2.0 * tolerance * unit, "{name}: {before:e} for {unit}");
-        let largest = editor.settle().unwrap();
+        let (largest, change) = editor.settle().unwrap();
+        assert!(!change.changed().vertices.is_empty(), "{name}");
         assert_eq!(largest, residual(&mesh, &editor, &rules), "{name}");
         assert!(largest <= tolerance * unit * (1.0 + 1e-9), "{name}: {largest:e}");
 
         let settled = editor.control().to_vec();
-        editor.settle().unwrap();
+        assert_eq!(editor.settle().unwrap().1, Change::default(), "{name}");
         assert_eq!(editor.control(), settled, "{name}: nothing is left to do");
     }
 }
@@ -233,7 +236,7 @@ fn settling_fits() {
         let control = vec![Vec3::ZERO; mesh.topology().vertex_count()];
         let mut editor = Editor::new(&mesh, &rules, control, 1e-11).unwrap();
         let diagonal = mesh.bounds().diagonal();
-        assert!(editor.settle().unwrap() <= 1.01e-11 * diagonal, "{name}");
+        assert!(editor.settle().unwrap().0 <= 1.01e-11 * diagonal, "{name}");
         let error = largest_distance(editor.control(), &solved(&mesh, &rules));
         assert!(error <= 1e-9, "{name}: {error:e}");
     }
@@ -377,6 +380,142 @@ fn a_drag_ends_when_vertices_are_freed() {
     editor.drag(&drag, Vec3::ZERO);
 }
 
+/// Rules that differ from those of a case near a vertex: a shape parameter, a crease or both.
+fn edited(mesh: &Mesh, rules: &Rules, near: VertexId) -> Vec<Rules> {
+    let topology = mesh.topology();
+    let h = topology.fan(near).find(|&h| topology.twin(h).is_some()).unwrap();
+    let mut others = Vec::new();
+    if rules.creases.is_none() {
+        let count = topology.face_count();
+        let mut tension =
+            rules.tension.as_ref().map_or_else(|| vec![0.5; count], |tension| tension.to_vec());
+        tension[topology.face(h).index()] = 0.9;
+        others.push(Rules { tension: Some(tension.into()), ..rules.clone() });
+    }
+    if rules.scheme != Scheme::DooSabin {
+        let smooth = Arc::new(Creases::smooth(topology));
+        let mut creases = (**rules.creases.as_ref().unwrap_or(&smooth)).clone();
+        let e = topology.edge(h);
+        creases.set_edge(e, creases.edge(e) + 1.5).unwrap();
+        others.push(Rules { creases: Some(Arc::new(creases.clone())), ..rules.clone() });
+        creases.set_vertex(near, 12.0).unwrap();
+        others.push(Rules { creases: Some(Arc::new(creases)), ..rules.clone() });
+    }
+    others
+}
+
+fn set_rules(editor: &mut Editor, rules: &Rules) -> Result<Change, Error> {
+    let one = editor.set_tension(rules.tension.clone())?;
+    let other = editor.set_creases(rules.creases.clone())?;
+    let is_one = other == Change::default();
+    assert!(is_one || one == Change::default(), "the edits are of one kind");
+    Ok(if is_one { one } else { other })
+}
+
+#[test]
+fn other_rules_equal_solving_again() {
+    for (name, mesh, rules) in cases() {
+        let near = VertexId(mesh.topology().vertex_count() as u32 / 2 + 9);
+        let before = solved(&mesh, &rules);
+        for other in edited(&mesh, &rules, near) {
+            let mut editor = Editor::new(&mesh, &rules, before.clone(), 1e-10).unwrap();
+            if rules.scheme == Scheme::DooSabin && rules.tension.is_none() {
+                // The plain scheme has no parameter: all rows change.
+                let change = set_rules(&mut editor, &other).unwrap();
+                assert_eq!(change.changed().faces.len(), mesh.topology().face_count());
+                continue;
+            }
+            let change = set_rules(&mut editor, &other).unwrap();
+            assert_eq!(editor.rules().creases, other.creases, "{name}");
+            let error = largest_distance(editor.control(), &solved(&mesh, &other));
+            assert!(error <= 1e-9, "{name}: {error:e}");
+            assert!(residual(&mesh, &editor, &other) <= 1e-9, "{name}");
+            let moved = |v: &VertexId| editor.control()[v.index()] != before[v.index()];
+            let moved: Vec<VertexId> = mesh.topology().vertices().filter(moved).collect();
+            // A tiny move may be lost in rounding.
+            let told = change.changed().vertices;
+            assert!(moved.iter().all(|v| told.binary_search(v).is_ok()), "{name}");
+            assert!(!moved.is_empty(), "{name}");
+
+            // The surface elsewhere keeps its bits.
+            let [old, new] = [(&rules, before.as_slice()), (&other, editor.control())].map(
+                |(rules, control)| refine_twice(&mesh.with_positions(control.to_vec()), rules),
+            );
+            let faces = change.changed().faces;
+            for v in mesh.topology().vertices() {
+                let mut fan = mesh.topology().fan(v).map(|h| mesh.topology().face(h));
+                if rules.scheme != Scheme::DooSabin && fan.all(|f| !faces.contains(&f)) {
+                    // Another phase is rounded in another way.
+                    let distance =
+                        (old.positions()[v.index()] - new.positions()[v.index()]).length();
+                    let is_alike = rules.tension.is_some() == other.tension.is_some();
+                    assert!(distance <= if is_alike { 0.0 } else { 1e-15 }, "{name}: {distance:e}");
+                }
+            }
+
+            // And back again.
+            set_rules(&mut editor, &rules).unwrap();
+            let error = largest_distance(editor.control(), &before);
+            assert!(error <= 1e-9, "{name}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn rules_that_do_not_fit_change_nothing() {
+    let mesh = shapes::torus(8, 9);
+    let mut editor = editor(&mesh, &Rules::LOOP, 1e-8);
+    let (before, count) = (editor.control().to_vec(), mesh.topology().face_count());
+    assert!(editor.set_tension(Some(vec![0.5; 3].into())).is_err(), "too few");
+    let mut tension = vec![0.7; count];
+    tension[5] = f64::NAN;
+    assert!(editor.set_tension(Some(tension.into())).is_err(), "not a number");
+    let other = Creases::smooth(shapes::cube().topology());
+    assert!(editor.set_creases(Some(Arc::new(other))).is_err(), "of another mesh");
+    assert!(editor.control() == before && *editor.rules() == Rules::LOOP);
+
+    // A single tense face makes the cube regular; without it there is no way back.
+    let cube = shapes::cube();
+    let mut tension = vec![0.5; 6];
+    tension[2] = 0.8;
+    let rules = Rules { tension: Some(tension.into()), ..Scheme::CatmullClark.into() };
+    let mut editor = editor_of(&cube, &rules);
+    let before = editor.control().to_vec();
+    let error = editor.set_tension(None).unwrap_err();
+    assert_eq!(error, Error::Singular { vertex: VertexId(0) });
+    assert!(editor.control() == before && *editor.rules() == rules);
+}
+
+fn editor_of(mesh: &Mesh, rules: &Rules) -> Editor {
+    editor(mesh, rules, 1e-8)
+}
+
+/// A neighbourhood of the same size on any mesh.
+#[test]
+fn other_rules_are_solved_nearby() {
+    for scheme in [Scheme::Loop, Scheme::CatmullClark] {
+        let counts = [24, 60].map(|n| {
+            let mesh = if scheme == Scheme::Loop { shapes::torus(n, n) } else { quad_torus(n, n) };
+            let rules = scheme.into();
+            let mut editor = editor(&mesh, &rules, 1e-4);
+            let mut tension = vec![0.5; mesh.topology().face_count()];
+            tension[(n * n / 2 + n / 2) as usize] = 0.8;
+            editor.set_tension(Some(tension.into())).unwrap().changed().vertices.len()
+        });
+        assert!(counts[0] < 400 && counts[1] < 400, "{scheme}: {counts:?}");
+    }
+}
+
+#[test]
+#[should_panic(expected = "grabbed after")]
+fn a_drag_ends_when_the_rules_change() {
+    let mesh = shapes::torus(8, 9);
+    let mut editor = editor(&mesh, &Rules::LOOP, 1e-6);
+    let drag = editor.grab(&[VertexId(3)]).unwrap();
+    editor.set_tension(Some(vec![0.6; mesh.topology().face_count()].into())).unwrap();
+    editor.drag(&drag, Vec3::ZERO);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
@@ -399,5 +538,32 @@ proptest! {
         let drag = editor.grab(&grabbed).unwrap();
         editor.drag(&drag, Vec3::new(0.6, 0.0, 0.8));
         prop_assert!(residual(&mesh, &editor, &rules) <= before + 1e-8 + 1e-13);
+    }
+
+    /// On any mesh, other shape parameters and creases leave the limit points on their data.
+    #[test]
+    fn any_rules_can_be_changed(
+        seed in 0_u64..1 << 40, splits in 0_usize..30, holes in 0_usize..6,
+        lambda in 0.5..1.0_f64, sharpness in 0.0..4.0_f64,
+    ) {
+        let mesh = common::random_mesh(seed, splits, holes);
+        let topology = mesh.topology();
+        let mut editor = editor(&mesh, &Rules::LOOP, 1e-8);
+        let unit = mesh.bounds().diagonal();
+        let mut tension = vec![0.5; topology.face_count()];
+        tension[seed as usize % topology.face_count()] = lambda;
+        editor.set_tension(Some(tension.into())).unwrap();
+        let mut creases = Creases::smooth(topology);
+        for i in 1..3 {
+            let e = fairform::EdgeId((seed / i % topology.edge_count() as u64) as u32);
+            creases.set_edge(e, sharpness).unwrap();
+        }
+        editor.set_creases(Some(Arc::new(creases))).unwrap();
+        let rules = editor.rules().clone();
+        prop_assert!(residual(&mesh, &editor, &rules) <= 2.1e-8 * unit);
+        let change = editor.set_creases(None).unwrap();
+        prop_assert!(change.changed().faces.len() <= topology.face_count());
+        editor.set_tension(None).unwrap();
+        prop_assert!(residual(&mesh, &editor, &Rules::LOOP) <= 4.1e-8 * unit);
     }
 }
