@@ -44,6 +44,7 @@ pub mod sphere;
 pub mod stencil;
 pub mod streamline;
 pub mod tension;
+pub mod tessellate;
 pub mod topology;
 pub mod vec3;
 
