@@ -9,7 +9,7 @@ use fairform::tessellate::{Points, Tessellation};
 use fairform::{Mesh, Rules, Scheme, Vec3, refine, shapes};
 
 /// Fewest runs of anything; the best counts.
-const RUNS: usize = 5;
+const RUNS: usize = 4;
 
 fn best<R>(mut f: impl FnMut() -> R) -> (f64, R) {
     let mut fastest = f64::INFINITY;
@@ -28,9 +28,14 @@ fn main() {
         std::env::args().nth(i).map_or(usual, |a| a.parse().expect("a number"))
     };
     let (levels, most) = (number(1, 3) as u32, number(2, 2));
-    let meshes = std::env::args().nth(3).map_or_else(subjects, |path| {
-        vec![("file", Scheme::Loop, read(&path)), ("file", Scheme::CatmullClark, read(&path))]
-    });
+    // A built-in mesh by its name, or a file.
+    let meshes = match std::env::args().nth(3) {
+        Some(path) if path.ends_with(".off") => vec![("file", Scheme::Loop, read(&path))],
+        name => {
+            let is_wanted = |s: &Subject| name.as_ref().is_none_or(|n| s.0 == n);
+            subjects().into_iter().filter(is_wanted).collect()
+        }
+    };
     println!("ns per fine vertex, best of {RUNS}\n");
     println!("| Mesh | Threads | Classes | Prepare | Base | Faces | f64 p+n new | again | p again | f32 p+n new | again | All new | Write new | Write again |");
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
@@ -91,14 +96,17 @@ fn write(memory: &mut [f64]) {
     memory.par_chunks_mut(1 << 16).for_each(|part| part.fill(1.0));
 }
 
-fn subjects() -> Vec<(&'static str, Scheme, Mesh)> {
+type Subject = (&'static str, Scheme, Mesh);
+
+fn subjects() -> Vec<Subject> {
     let sphere = refine::refine_mesh(&shapes::icosahedron(), &Rules::LOOP, 7).expect("small").0;
-    let quads = refine::refine_mesh(&shapes::cube(), &Scheme::CatmullClark.into(), 7).expect("small").0;
+    let rules = Scheme::CatmullClark.into();
+    let quads = refine::refine_mesh(&shapes::cube(), &rules, 7).expect("small").0;
     vec![
         ("torus", Scheme::Loop, shapes::torus(400, 400)),
         ("sphere", Scheme::Loop, sphere),
         ("cube", Scheme::CatmullClark, quads.clone()),
-        ("cube", Scheme::DooSabin, quads),
+        ("cube dual", Scheme::DooSabin, quads),
     ]
 }
 

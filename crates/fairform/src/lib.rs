@@ -53,6 +53,7 @@ mod order;
 mod par;
 mod rows;
 mod rules;
+mod wide;
 
 pub use crease::Creases;
 pub use error::{Defect, Defects, Error};

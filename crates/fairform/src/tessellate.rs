@@ -37,7 +37,7 @@ use crate::error::Error;
 use crate::ids::{EdgeId, FaceId, HalfedgeId, NONE, VertexId};
 use crate::refine::{self, check_size, refine};
 use crate::scheme::{Rules, Scheme};
-use crate::{Faces, Topology, Vec3, limit, par};
+use crate::{Faces, Topology, Vec3, limit, par, wide};
 
 mod cells;
 mod classes;
@@ -377,7 +377,7 @@ impl Surface<'_> {
             parts.push((room, in_faces.take(faces.len() * plan.grid.inner), faces));
         }
         par::in_parts(parts, |(on_edges, in_faces, faces)| {
-            self.fill_block(plan, faces, on_edges, in_faces);
+            wide::run(|| self.fill_block(plan, faces, on_edges, in_faces));
         });
     }
 
@@ -387,9 +387,12 @@ impl Surface<'_> {
         for start in (0..count).step_by(par::BLOCK) {
             parts.push((start, room.take(par::BLOCK.min(count - start))));
         }
-        par::in_parts(parts, |(start, room)| self.fill_vertex_block(start, room));
+        par::in_parts(parts, |(start, room)| {
+            wide::run(|| self.fill_vertex_block(start, room));
+        });
     }
 
+    #[inline(always)]
     fn fill_vertex_block<P: Point, N: Point>(&self, start: usize, mut room: Room<'_, P, N>) {
         let all = self.tessellation;
         let mut scratch = Scratch::default();
@@ -410,6 +413,7 @@ impl Surface<'_> {
     }
 
     /// A vertex of the base, by the rows of its first face.
+    #[inline(always)]
     fn vertex(
         &self,
         plan: &Plan,
@@ -443,6 +447,7 @@ impl Surface<'_> {
     }
 
     /// The points of some faces of the base: of their own edges, and inside.
+    #[inline(always)]
     fn fill_block<P: Point, N: Point>(
         &self,
         plan: &Plan,

@@ -12,6 +12,9 @@ use std::collections::BTreeMap;
 /// For each point of a tessellation its vertex in the mesh that was refined step by step: the grid
 /// of each face of the base is followed through the steps.
 fn map(fine: &Tessellation, finest: &Topology, levels: u32) -> Vec<u32> {
+    if levels == 0 {
+        return (0..fine.vertex_count() as u32).collect();
+    }
     let base = fine.base();
     let faces = fine.faces();
     let mut map = vec![u32::MAX; fine.vertex_count()];

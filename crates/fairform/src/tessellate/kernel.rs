@@ -2,9 +2,8 @@
 
 use alloc::vec::Vec;
 
-use libm::sqrt;
-
 use crate::Vec3;
+use crate::wide::sqrt;
 
 /// Rows that are worked on together.
 const LANES: usize = 8;
