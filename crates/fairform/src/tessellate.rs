@@ -59,6 +59,9 @@ pub const MOST_AT_ONCE: u32 = 3;
 /// Faces of the base that are worked on together.
 const BLOCK: usize = 512;
 
+/// Vertices that are worked on together.
+const TOGETHER: usize = 32;
+
 /// Which points are wanted.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Points {
@@ -377,7 +380,10 @@ impl Surface<'_> {
             parts.push((room, in_faces.take(faces.len() * plan.grid.inner), faces));
         }
         par::in_parts(parts, |(on_edges, in_faces, faces)| {
-            wide::run(|| self.fill_block(plan, faces, on_edges, in_faces));
+            wide::run(
+                #[inline(always)]
+                || self.fill_block(plan, faces, on_edges, in_faces),
+            );
         });
     }
 
@@ -388,62 +394,84 @@ impl Surface<'_> {
             parts.push((start, room.take(par::BLOCK.min(count - start))));
         }
         par::in_parts(parts, |(start, room)| {
-            wide::run(|| self.fill_vertex_block(start, room));
+            wide::run(
+                #[inline(always)]
+                || self.fill_vertex_block(start, room),
+            );
         });
     }
 
     #[inline(always)]
     fn fill_vertex_block<P: Point, N: Point>(&self, start: usize, mut room: Room<'_, P, N>) {
-        let all = self.tessellation;
+        let vertices = start..start + room.positions.len();
+        let Some(plan) = &self.tessellation.plan else {
+            if let Some(done) = &self.rest {
+                let (positions, normals) = (&done.positions[vertices.clone()], &done.normals[vertices]);
+                room.write(positions.iter().copied(), normals.iter().copied());
+            }
+            return;
+        };
         let mut scratch = Scratch::default();
-        for v in start..start + room.positions.len() {
+        let (mut owners, mut sources) = (Vec::new(), Vec::new());
+        for first in vertices.clone().step_by(TOGETHER) {
+            let some = first..(first + TOGETHER).min(vertices.end);
+            self.fill_some_vertices(plan, some, &mut room, &mut owners, &mut sources, &mut scratch);
+        }
+    }
+
+    /// A few vertices of the base, each by the rows of its first face. What the next step needs to know
+    /// is asked for of all of them at once, so that they wait for memory together.
+    #[inline(always)]
+    fn fill_some_vertices<P: Point, N: Point>(
+        &self,
+        plan: &Plan,
+        vertices: Range<usize>,
+        room: &mut Room<'_, P, N>,
+        owners: &mut Vec<(usize, u32)>,
+        sources: &mut Vec<[f64; 3]>,
+        scratch: &mut Scratch,
+    ) {
+        let base = self.tessellation.base();
+        owners.clear();
+        sources.clear();
+        owners.extend(vertices.clone().map(|v| match base.outgoing(VertexId(v as u32)) {
+            Some(h) => (h.index(), plan.cells.class[h.index() / plan.grid.corners]),
+            None => (usize::MAX, NONE),
+        }));
+        for &(h, _) in owners.iter().filter(|o| o.1 != NONE) {
+            kernel::gather(plan.cells.sources(h / plan.grid.corners), &self.points, sources);
+        }
+        let with_normals = room.normals.is_some();
+        let mut rest = sources.as_slice();
+        for (v, &(h, class)) in vertices.zip(owners.iter()) {
             let mut one = room.take(1);
-            match (&all.plan, &self.rest) {
-                (None, Some(done)) => {
-                    one.write([done.positions[v]].into_iter(), [done.normals[v]].into_iter());
-                }
-                (Some(plan), _) => {
-                    let with_normals = one.normals.is_some();
-                    let (p, n) = self.vertex(plan, VertexId(v as u32), with_normals, &mut scratch);
-                    one.write([p].into_iter(), [n].into_iter());
-                }
-                (None, None) => {}
+            let (face, corner) = (h / plan.grid.corners, h % plan.grid.corners);
+            if let Some(class) = plan.cells.classes.list.get(class as usize) {
+                let own;
+                (own, rest) = rest.split_at(class.source_count);
+                class.corners[corner].evaluate(own, scratch, with_normals);
+                one.write(scratch.positions(1), scratch.normals(usize::from(with_normals)));
+            } else if h == usize::MAX {
+                one.write([self.points[v]].into_iter(), [Vec3::ZERO].into_iter());
+            } else {
+                self.write_rest(plan, face, corner..corner + 1, &mut one);
             }
         }
     }
 
-    /// A vertex of the base, by the rows of its first face.
-    #[inline(always)]
-    fn vertex(
+    /// Writes some points of the grid of a face that was refined step by step.
+    fn write_rest<P: Point, N: Point>(
         &self,
         plan: &Plan,
-        v: VertexId,
-        with_normals: bool,
-        scratch: &mut Scratch,
-    ) -> (Vec3, Vec3) {
-        let Some(h) = self.tessellation.base().outgoing(v) else {
-            return (self.points[v.index()], Vec3::ZERO);
-        };
-        let (face, corner) = (h.index() / plan.grid.corners, h.index() % plan.grid.corners);
-        let class = plan.cells.class[face];
-        if class == NONE {
-            return self.of_rest(plan, face, corner..corner + 1)[0];
+        face: usize,
+        points: Range<usize>,
+        room: &mut Room<'_, P, N>,
+    ) {
+        if let (Some(rest), Some(done)) = (&plan.cells.rest, &self.rest) {
+            let numbers = &rest.grid(face, &plan.grid)[points];
+            let of = |all: &[Vec3]| numbers.iter().map(|&i| all[i as usize]).collect::<Vec<_>>();
+            room.write(of(&done.positions).into_iter(), of(&done.normals).into_iter());
         }
-        let form = &plan.cells.classes.list[class as usize].corners[corner];
-        scratch.gather(plan.cells.sources(face), &self.points);
-        form.evaluate(scratch, with_normals);
-        let p = scratch.positions(1).next().unwrap_or_default();
-        let n = if with_normals { scratch.normals(1).next() } else { None };
-        (p, n.unwrap_or_default())
-    }
-
-    /// Some points of the grid of a face that was refined step by step.
-    fn of_rest(&self, plan: &Plan, face: usize, points: Range<usize>) -> Vec<(Vec3, Vec3)> {
-        let (Some(rest), Some(done)) = (&plan.cells.rest, &self.rest) else {
-            return alloc::vec![Default::default(); points.len()];
-        };
-        let numbers = &rest.grid(face, &plan.grid)[points];
-        numbers.iter().map(|&i| (done.positions[i as usize], done.normals[i as usize])).collect()
     }
 
     /// The points of some faces of the base: of their own edges, and inside.
@@ -458,7 +486,7 @@ impl Surface<'_> {
         let base = self.tessellation.base();
         let (side, inner, corners) = (plan.grid.side, plan.grid.inner, plan.grid.corners);
         let with_normals = in_faces.normals.is_some();
-        let mut scratch = Scratch::default();
+        let (mut scratch, mut sources) = (Scratch::default(), Vec::new());
         for face in faces {
             let sides = owned_sides(base, face, corners);
             let on_sides = sides.count_ones() as usize * side;
@@ -467,17 +495,16 @@ impl Surface<'_> {
             if class == NONE {
                 for i in (0..corners).filter(|i| sides >> i & 1 > 0) {
                     let first = plan.grid.first_of_side(i);
-                    let points = self.of_rest(plan, face, first..first + side);
-                    on_edges.take(side).write(points.iter().map(|p| p.0), points.iter().map(|p| p.1));
+                    self.write_rest(plan, face, first..first + side, &mut on_edges.take(side));
                 }
                 let first = plan.grid.first_inner();
-                let points = self.of_rest(plan, face, first..first + inner);
-                in_face.write(points.iter().map(|p| p.0), points.iter().map(|p| p.1));
+                self.write_rest(plan, face, first..first + inner, &mut in_face);
                 continue;
             }
             let form = &plan.cells.classes.list[class as usize].whole[sides];
-            scratch.gather(plan.cells.sources(face), &self.points);
-            form.evaluate(&mut scratch, with_normals);
+            sources.clear();
+            kernel::gather(plan.cells.sources(face), &self.points, &mut sources);
+            form.evaluate(&sources, &mut scratch, with_normals);
             let count = on_sides + inner;
             let (mut p, mut n) =
                 (scratch.positions(count), scratch.normals(if with_normals { count } else { 0 }));

@@ -21,7 +21,7 @@ pub(super) const MOST_SOURCES: usize = 96;
 /// The rows of all faces that look alike.
 #[derive(Clone, Debug)]
 pub(super) struct Class {
-    source_count: usize,
+    pub(super) source_count: usize,
     points: Vec<PointRows>,
     /// Of each corner.
     pub(super) corners: Vec<Form>,

@@ -24,7 +24,6 @@ pub(super) struct Form {
 /// Where the results of a form are put, coordinate by coordinate.
 #[derive(Default)]
 pub(super) struct Scratch {
-    pub(super) sources: Vec<[f64; 3]>,
     rows: [Vec<f64>; 3],
     normals: [Vec<f64>; 3],
 }
@@ -62,12 +61,12 @@ impl Form {
         Self { point_count, sides, pair_count, source_count, weights }
     }
 
-    /// Applies the rows to `scratch.sources`: of the positions alone, or all.
+    /// Applies the rows to some values: of the positions alone, or all.
     #[inline(always)]
-    pub(super) fn evaluate(&self, scratch: &mut Scratch, with_normals: bool) {
+    pub(super) fn evaluate(&self, sources: &[[f64; 3]], scratch: &mut Scratch, with_normals: bool) {
         let pairs = if with_normals { self.pair_count } else { 0 };
         let row_count = self.point_count + 2 * pairs;
-        let Scratch { sources, rows, normals } = scratch;
+        let Scratch { rows, normals } = scratch;
         assert_eq!(sources.len(), self.source_count, "one value per source");
         for row in rows.iter_mut().filter(|row| row.len() < row_count + LANES) {
             row.resize(row_count + LANES, 0.0);
@@ -100,15 +99,6 @@ impl Form {
 
 impl Scratch {
     #[inline(always)]
-    pub(super) fn gather(&mut self, vertices: &[u32], points: &[Vec3]) {
-        self.sources.clear();
-        self.sources.extend(vertices.iter().map(|&v| {
-            let p = points[v as usize];
-            [p.x, p.y, p.z]
-        }));
-    }
-
-    #[inline(always)]
     pub(super) fn positions(&self, count: usize) -> impl Iterator<Item = Vec3> + '_ {
         triples(&self.rows, count)
     }
@@ -117,6 +107,15 @@ impl Scratch {
     pub(super) fn normals(&self, count: usize) -> impl Iterator<Item = Vec3> + '_ {
         triples(&self.normals, count)
     }
+}
+
+/// Appends the points of some vertices.
+#[inline(always)]
+pub(super) fn gather(vertices: &[u32], points: &[Vec3], out: &mut Vec<[f64; 3]>) {
+    out.extend(vertices.iter().map(|&v| {
+        let p = points[v as usize];
+        [p.x, p.y, p.z]
+    }));
 }
 
 #[inline(always)]
