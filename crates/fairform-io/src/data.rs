@@ -103,10 +103,14 @@ pub(crate) fn push_face(
     place: Place,
 ) -> Result<(), ParseError> {
     if faces.corners().len() + corners.len() > u32::MAX as usize {
-        return Err(ParseError::new(place, "more than 4,294,967,295 face corners"));
+        return Err(too_many_corners(place));
     }
     faces.push(corners);
     Ok(())
+}
+
+pub(crate) fn too_many_corners(place: Place) -> ParseError {
+    ParseError::new(place, "more than 4,294,967,295 face corners")
 }
 
 /// Collects the names of faces, in the order in which faces first have them.

@@ -33,6 +33,7 @@ mod gltf;
 mod gzip;
 mod obj;
 mod off;
+mod par;
 mod ply;
 mod stl;
 pub mod streamline;

@@ -13,12 +13,13 @@ use std::io::Write;
 
 use fairform::{Faces, Vec3};
 
-use crate::data::{LabelBuilder, MeshData, WriteOptions, push_face};
+use crate::data::{LabelBuilder, MeshData, WriteOptions, too_many_corners};
 use crate::error::{Error, ParseError, Place};
 use crate::format::left_out;
+use crate::par;
 use crate::text::{NumberWriter, Scanner, counted, text_of};
 use crate::triangulate::Triangulator;
-use crate::weld::Weld;
+use crate::weld::{Point, Weld, numbers};
 
 /// Bytes before the first triangle of a binary file: a free header, and the count.
 const HEADER: usize = 84;
@@ -27,7 +28,7 @@ const TRIANGLE: usize = 50;
 
 /// The mesh in an STL file.
 pub(crate) fn parse(bytes: &[u8]) -> Result<MeshData, ParseError> {
-    if is_text(bytes) { parse_text(bytes) } else { parse_binary(bytes) }
+    if is_text(bytes) { parse_text(bytes) } else { parse_binary(bytes, BLOCK) }
 }
 
 /// The number of triangles that a binary file declares.
@@ -56,42 +57,83 @@ fn is_text(bytes: &[u8]) -> bool {
         || !bytes[..bytes.len().min(512)].contains(&0)
 }
 
-/// Triangles as they are read.
-struct Builder {
-    weld: Weld,
-    faces: Faces,
-    flat: usize,
+/// Triangles that stand one behind the other in a file, welded among themselves.
+struct Part<P> {
+    weld: Weld<P>,
+    corners: Vec<u32>,
 }
 
-impl Builder {
+impl<P: Point> Part<P> {
     fn with_capacity(triangles: usize) -> Self {
-        // A closed mesh has half as many vertices as triangles.
-        let weld = Weld::with_capacity(triangles / 2);
-        Self { weld, faces: Faces::with_capacity(triangles, 3 * triangles), flat: 0 }
+        // A closed mesh has half as many vertices as triangles, a part of it a few more.
+        let weld = Weld::with_capacity(triangles * 3 / 4);
+        Self { weld, corners: Vec::with_capacity(3 * triangles) }
     }
 
-    fn push(&mut self, triangle: [Vec3; 3], place: Place) -> Result<(), ParseError> {
-        let [a, b, c] = triangle.map(|p| self.weld.vertex(p));
-        self.flat += usize::from(a == b || b == c || c == a);
-        push_face(&mut self.faces, &[a, b, c], place)
-    }
-
-    fn finish(self) -> MeshData {
-        let mut notes = Vec::new();
-        let (corners, vertices) = (self.faces.corners().len(), self.weld.positions.len());
-        if corners > 0 {
-            let (corners, vertices) = (counted(corners, "corner"), counted(vertices, "vertex"));
-            notes.push(format!("welded {corners} into {vertices}: STL has no connectivity"));
-        }
-        if self.flat > 0 {
-            let n = counted(self.flat, "triangle");
-            notes.push(format!("{n} with two corners at one point kept"));
-        }
-        MeshData { positions: self.weld.positions, faces: self.faces, notes, ..MeshData::default() }
+    fn push(&mut self, triangle: [P; 3]) {
+        self.corners.extend(triangle.map(|p| self.weld.vertex(p)));
     }
 }
 
-fn parse_binary(bytes: &[u8]) -> Result<MeshData, ParseError> {
+/// The mesh of all parts: a vertex has the number in which it first appears in the file.
+fn join<P: Point + Send + Sync>(parts: &[Part<P>]) -> MeshData {
+    let points: Vec<P> = parts.iter().flat_map(|part| &part.weld.positions).copied().collect();
+    let numbers = numbers(&points);
+    let vertex_count = numbers.iter().max().map_or(0, |last| *last as usize + 1);
+    let corner_count = parts.iter().map(|part| part.corners.len()).sum();
+    let mut positions: Vec<Vec3> = bytemuck::zeroed_vec(vertex_count);
+    let mut corners: Vec<u32> = bytemuck::zeroed_vec(corner_count);
+    let mut tasks = Vec::new();
+    let (mut rest, mut corners_left) = (positions.as_mut_slice(), corners.as_mut_slice());
+    let mut numbers_left = numbers.as_slice();
+    let mut first_new = 0;
+    for part in parts {
+        let own = numbers_left.split_off(..part.weld.positions.len()).unwrap_or_default();
+        let corners = corners_left.split_off_mut(..part.corners.len()).unwrap_or_default();
+        let new = own.iter().filter(|number| **number >= first_new).count();
+        let new_positions = rest.split_off_mut(..new).unwrap_or_default();
+        tasks.push((part, own, corners, new_positions, first_new));
+        first_new += new as u32;
+    }
+    let flat: usize = par::map(tasks, |(part, own, corners, new_positions, first_new)| {
+        let new = own.iter().zip(&part.weld.positions).filter(|(number, _)| **number >= first_new);
+        for (slot, (_, position)) in new_positions.iter_mut().zip(new) {
+            *slot = position.position();
+        }
+        for (corner, local) in corners.iter_mut().zip(&part.corners) {
+            *corner = own[*local as usize];
+        }
+        let is_flat = |[a, b, c]: &&[u32; 3]| a == b || b == c || c == a;
+        corners.as_chunks::<3>().0.iter().filter(is_flat).count()
+    })
+    .into_iter()
+    .sum();
+
+    let mut notes = Vec::new();
+    if !corners.is_empty() {
+        let vertices = counted(positions.len(), "vertex");
+        let corners = counted(corners.len(), "corner");
+        notes.push(format!("welded {corners} into {vertices}: STL has no connectivity"));
+    }
+    if flat > 0 {
+        let n = counted(flat, "triangle");
+        notes.push(format!("{n} with two corners at one point kept"));
+    }
+    let faces = Faces::uniform(3, corners);
+    MeshData { positions, faces, notes, ..MeshData::default() }
+}
+
+/// Fails for more triangles than corners can be counted, at the place of the first too many.
+fn check_count(count: usize, place: impl Fn(usize) -> Place) -> Result<(), ParseError> {
+    const MOST: usize = u32::MAX as usize / 3;
+    if count <= MOST { Ok(()) } else { Err(too_many_corners(place(MOST))) }
+}
+
+/// Triangles of a binary file that are welded at once, in the processor's own memory.
+const BLOCK: usize = 1 << 15;
+
+/// Reads a binary file, in parts of `block` triangles.
+fn parse_binary(bytes: &[u8], block: usize) -> Result<MeshData, ParseError> {
     let Some(count) = declared(bytes) else {
         let n = counted(bytes.len(), "byte");
         return Err(ParseError::file(format!("the file ends after {n}"))
@@ -109,20 +151,12 @@ fn parse_binary(bytes: &[u8]) -> Result<MeshData, ParseError> {
         let message = format!("the file declares {count} triangles, but holds exactly {room}");
         return Err(ParseError::byte(80, message));
     }
-    let mut builder = Builder::with_capacity(count);
-    let mut attributes = 0_usize;
-    let triangles = body.as_chunks::<TRIANGLE>().0;
-    for (i, triangle) in triangles[..count].iter().enumerate() {
-        let float = |at: usize| {
-            let [a, b, c, d] = [triangle[at], triangle[at + 1], triangle[at + 2], triangle[at + 3]];
-            f64::from(f32::from_le_bytes([a, b, c, d]))
-        };
-        let point = |at: usize| Vec3::new(float(at), float(at + 4), float(at + 8));
-        let place = Place::Byte((HEADER + i * TRIANGLE) as u64);
-        builder.push([point(12), point(24), point(36)], place)?;
-        attributes += usize::from(triangle[48..] != [0, 0]);
-    }
-    let mut data = builder.finish();
+    check_count(count, |i| Place::Byte((HEADER + i * TRIANGLE) as u64))?;
+    let triangles = &body.as_chunks::<TRIANGLE>().0[..count];
+    let (parts, attributes): (Vec<_>, Vec<_>) =
+        par::map(triangles.chunks(block), read_triangles).into_iter().unzip();
+    let mut data = join(&parts);
+    let attributes: usize = attributes.into_iter().sum();
     if attributes > 0 {
         let n = counted(attributes, "triangle");
         data.notes.push(format!("attribute bytes (colours) of {n} left out"));
@@ -134,9 +168,24 @@ fn parse_binary(bytes: &[u8]) -> Result<MeshData, ParseError> {
     Ok(data)
 }
 
+/// The triangles, and how many have attributes.
+fn read_triangles(triangles: &[[u8; TRIANGLE]]) -> (Part<[f32; 3]>, usize) {
+    let mut part = Part::with_capacity(triangles.len());
+    let mut attributes = 0;
+    for triangle in triangles {
+        let words = triangle.as_chunks::<4>().0;
+        let point = |at: usize| {
+            [words[at], words[at + 1], words[at + 2]].map(f32::from_le_bytes)
+        };
+        part.push([point(3), point(6), point(9)]);
+        attributes += usize::from(triangle[48..] != [0, 0]);
+    }
+    (part, attributes)
+}
+
 fn parse_text(bytes: &[u8]) -> Result<MeshData, ParseError> {
     let mut text = Scanner::new(bytes)?;
-    let mut builder = Builder::with_capacity(0);
+    let mut part = Part::with_capacity(0);
     let mut groups = LabelBuilder::default();
     let mut solids = 0;
     loop {
@@ -152,8 +201,8 @@ fn parse_text(bytes: &[u8]) -> Result<MeshData, ParseError> {
             if !peek_is(&text, "facet") {
                 break;
             }
-            facet(&mut text, &mut builder)?;
-            groups.fill(builder.faces.len());
+            part.push(facet(&mut text)?);
+            groups.fill(part.corners.len() / 3);
         }
         if text.is_at_end() {
             return Err(ended(&text, "a solid"));
@@ -162,7 +211,8 @@ fn parse_text(bytes: &[u8]) -> Result<MeshData, ParseError> {
         // The name again.
         text.skip_line();
     }
-    let mut data = builder.finish();
+    check_count(part.corners.len() / 3, |_| Place::File)?;
+    let mut data = join(&[part]);
     if solids > 1 {
         data.groups = groups.finish();
     }
@@ -189,7 +239,7 @@ fn keyword(text: &mut Scanner<'_>, expected: &str) -> Result<(), ParseError> {
 }
 
 /// Reads `facet … outer loop`, three vertices, and what ends them. The normal is not needed.
-fn facet(text: &mut Scanner<'_>, builder: &mut Builder) -> Result<(), ParseError> {
+fn facet(text: &mut Scanner<'_>) -> Result<[Vec3; 3], ParseError> {
     let mut read = || -> Result<[Vec3; 3], ParseError> {
         keyword(text, "facet")?;
         text.skip_space();
@@ -215,11 +265,7 @@ fn facet(text: &mut Scanner<'_>, builder: &mut Builder) -> Result<(), ParseError
         keyword(text, "endfacet")?;
         Ok(triangle)
     };
-    match read() {
-        Ok(triangle) => builder.push(triangle, Place::File),
-        Err(_) if text.is_at_end() => Err(ended(text, "a facet")),
-        Err(error) => Err(error),
-    }
+    read().map_err(|error| if text.is_at_end() { ended(text, "a facet") } else { error })
 }
 
 /// Writes an STL file: binary with one header, or text with a solid per run of a group.

@@ -9,7 +9,7 @@ use super::json::{Attributes, Document, Node, Primitive};
 use crate::data::{LabelBuilder, MeshData, push_face};
 use crate::error::{ParseError, Place};
 use crate::text::counted;
-use crate::weld::Weld;
+use crate::weld::distinct;
 
 /// A linear map by its columns, and a translation.
 #[derive(Clone, Copy)]
@@ -415,11 +415,7 @@ impl<'a> Reader<'a> {
             self.data.groups = self.groups.finish();
         }
         self.data.materials = self.materials.finish();
-        let mut weld = Weld::with_capacity(self.data.positions.len());
-        for p in &self.data.positions {
-            weld.vertex(*p);
-        }
-        let doubled = self.data.positions.len() - weld.positions.len();
+        let doubled = self.data.positions.len() - distinct(&self.data.positions);
         if doubled > 0 {
             let n = counted(doubled, "vertex");
             notes.push(format!(
