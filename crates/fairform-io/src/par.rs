@@ -72,6 +72,11 @@ pub(crate) fn collect<T: Zeroable + Send>(len: usize, f: impl Fn(usize) -> T + S
     out
 }
 
+/// The largest number.
+pub(crate) fn max(numbers: &[u32]) -> Option<u32> {
+    map(numbers.chunks(BLOCK), |block| block.iter().copied().max()).into_iter().flatten().max()
+}
+
 /// Writes `len` rows: `format` appends those of a range to a buffer. Blocks of `block` rows are
 /// formatted at once, while those before them are written; a few are in memory at a time.
 pub(crate) fn write_rows(
