@@ -113,9 +113,8 @@ fn measure(case: &Case, data: &MeshData, pools: &[ThreadPool], folder: &Path) ->
         }
     }
     assert_eq!(out, bytes, "the same bytes every time");
-    let rates = [parsed, encoded, loaded, saved].map(|best| {
-        best.map(|best| best.rate(bytes.len())).join(" | ")
-    });
+    let rates = [parsed, encoded, loaded, saved]
+        .map(|best| best.map(|best| best.rate(bytes.len())).join(" | "));
     let megabytes = bytes.len() as f64 / 1e6;
     format!("| {} | {} | {megabytes:.0} | {} |", case.name, case.mesh, rates.join(" | "))
 }

@@ -72,6 +72,19 @@ pub(crate) fn collect<T: Zeroable + Send>(len: usize, f: impl Fn(usize) -> T + S
     out
 }
 
+/// All parts one behind the other.
+pub(crate) fn concat<T: Zeroable + Copy + Send + Sync>(parts: &[&[T]]) -> Vec<T> {
+    let mut out: Vec<T> = bytemuck::zeroed_vec(parts.iter().map(|part| part.len()).sum());
+    let mut rest = out.as_mut_slice();
+    let tasks = parts.iter().map(|part| {
+        let (own, others) = std::mem::take(&mut rest).split_at_mut(part.len());
+        rest = others;
+        (own, part)
+    });
+    map(tasks, |(own, part)| own.copy_from_slice(part));
+    out
+}
+
 /// The largest number.
 pub(crate) fn max(numbers: &[u32]) -> Option<u32> {
     map(numbers.chunks(BLOCK), |block| block.iter().copied().max()).into_iter().flatten().max()

@@ -174,9 +174,7 @@ fn read_triangles(triangles: &[[u8; TRIANGLE]]) -> (Part<[f32; 3]>, usize) {
     let mut attributes = 0;
     for triangle in triangles {
         let words = triangle.as_chunks::<4>().0;
-        let point = |at: usize| {
-            [words[at], words[at + 1], words[at + 2]].map(f32::from_le_bytes)
-        };
+        let point = |at: usize| [words[at], words[at + 1], words[at + 2]].map(f32::from_le_bytes);
         part.push([point(3), point(6), point(9)]);
         attributes += usize::from(triangle[48..] != [0, 0]);
     }

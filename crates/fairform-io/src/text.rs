@@ -125,6 +125,65 @@ impl<'a> Scanner<'a> {
         trim(&self.bytes[from..self.at])
     }
 
+    /// Skips to the next line that does not continue this one behind a backslash.
+    pub(crate) fn skip_statement(&mut self) {
+        loop {
+            let end = self.line_end();
+            let continued = end > self.at && self.bytes[end - 1] == b'\\';
+            self.skip_line();
+            if !continued || self.is_at_end() {
+                return;
+            }
+        }
+    }
+
+    /// The rest of the statement up to a comment, as a name.
+    pub(crate) fn statement_name(&mut self) -> String {
+        self.skip_blanks();
+        let from = self.at;
+        self.skip_statement();
+        let rest = &self.bytes[from..self.at];
+        let end = (0..rest.len())
+            .find(|&i| rest[i] == b'#' && (i == 0 || rest[i - 1].is_ascii_whitespace()));
+        let rest = trim(&rest[..end.unwrap_or(rest.len())]);
+        if !rest.iter().any(|b| matches!(b, b'\n' | b'\r')) {
+            return text_of(rest);
+        }
+        let joined: Vec<_> = text_of(rest)
+            .split(['\n', '\r'])
+            .map(|line| line.strip_suffix('\\').unwrap_or(line).trim().to_string())
+            .collect();
+        joined.join(" ").trim().to_string()
+    }
+
+    /// What is left, cut behind line ends into so many parts or fewer; not behind a line that a
+    /// backslash continues, where there are such. Each part ends where the text of its scanner does,
+    /// and counts offsets and lines as the whole.
+    pub(crate) fn parts(&self, count: usize, continued: bool) -> Vec<Self> {
+        let length = self.remaining().div_ceil(count.max(1)).max(1);
+        let mut parts = Vec::with_capacity(count);
+        let mut at = self.at;
+        while at < self.bytes.len() {
+            let mut end = at + length;
+            loop {
+                let rest = self.bytes.get(end - 1..).unwrap_or_default();
+                let Some(n) = memchr::memchr(b'\n', rest) else {
+                    end = self.bytes.len();
+                    break;
+                };
+                end += n;
+                let line = &self.bytes[at..end - 1];
+                if !continued || !line.strip_suffix(b"\r").unwrap_or(line).ends_with(b"\\") {
+                    break;
+                }
+                end += 1;
+            }
+            parts.push(Self { bytes: &self.bytes[..end], at });
+            at = end;
+        }
+        parts
+    }
+
     /// The next bytes up to white space or the end; empty at a line end.
     pub(crate) fn word(&mut self) -> &'a [u8] {
         self.skip_blanks();
