@@ -19,7 +19,7 @@ use crate::data::{LabelBuilder, MeshData, WriteOptions, scale_large_colours, too
 use crate::error::{Error, ParseError, Place};
 use crate::format::left_out;
 use crate::par;
-use crate::text::{NumberWriter, Scanner, counted, quoted};
+use crate::text::{NumberWriter, ROWS, Scanner, counted, quoted};
 
 /// The mesh in an OBJ file.
 pub(crate) fn parse(bytes: &[u8]) -> Result<MeshData, ParseError> {
@@ -806,25 +806,22 @@ pub(crate) fn encode(
     options: &WriteOptions,
     out: &mut dyn Write,
 ) -> Result<Vec<String>, Error> {
-    let mut numbers = NumberWriter::new(options.single_precision);
+    let single = options.single_precision;
     out.write_all(b"# fairform\n")?;
     for library in data.material_library.iter().flat_map(|l| l.lines()) {
         writeln!(out, "mtllib {}", statement_name(library))?;
     }
     let opaque = data.colours.iter().flatten().all(|c| c[3].to_bits() == 1.0_f64.to_bits());
-    for (i, p) in data.positions.iter().enumerate() {
-        out.write_all(b"v")?;
-        numbers.write_all(out, &[p.x, p.y, p.z])?;
-        if let Some(colours) = &data.colours {
-            numbers.write_all(out, &colours[i][..if opaque { 3 } else { 4 }])?;
-        }
-        out.write_all(b"\n")?;
-    }
-    let uv_of_corner = write_uvs(data, &mut numbers, out)?;
-    let normal_of_corner = write_normals(data, &mut numbers, out)?;
-    write_faces(data, uv_of_corner.as_deref(), normal_of_corner.as_deref(), out)?;
+    par::write_rows(out, data.positions.len(), ROWS, |rows, out| {
+        vertex_rows(data, single, opaque, rows, out);
+    })?;
+    let uv_of_corner = write_uvs(data, single, out)?;
+    let normal_of_corner = write_normals(data, single, out)?;
+    par::write_rows(out, data.faces.len(), ROWS, |rows, out| {
+        face_rows(data, uv_of_corner.as_deref(), normal_of_corner.as_deref(), rows, out);
+    })?;
     if let Some(creases) = &data.creases {
-        creases.write_tags(&mut numbers, out)?;
+        creases.write_tags(single, out)?;
     }
     let both = data.uvs.is_some() && data.corner_uvs.is_some();
     let mut notes = left_out(&[(both, "uvs per vertex beside those per corner")], "OBJ");
@@ -834,32 +831,64 @@ pub(crate) fn encode(
     Ok(notes)
 }
 
+/// Appends the `v` statements of some vertices.
+fn vertex_rows(data: &MeshData, single: bool, opaque: bool, rows: Range<usize>, out: &mut Vec<u8>) {
+    let mut numbers = NumberWriter::new(single);
+    for i in rows {
+        out.push(b'v');
+        numbers.write_all(out, &<[f64; 3]>::from(data.positions[i]));
+        if let Some(colours) = &data.colours {
+            numbers.write_all(out, &colours[i][..if opaque { 3 } else { 4 }]);
+        }
+        out.push(b'\n');
+    }
+}
+
+/// Writes statements of a keyword and numbers.
+fn write_statements<const N: usize>(
+    keyword: &str,
+    values: &[[f64; N]],
+    single: bool,
+    out: &mut dyn Write,
+) -> Result<(), Error> {
+    par::write_rows(out, values.len(), ROWS, |rows, out| {
+        let mut numbers = NumberWriter::new(single);
+        for value in &values[rows] {
+            out.extend_from_slice(keyword.as_bytes());
+            numbers.write_all(out, value);
+            out.push(b'\n');
+        }
+    })?;
+    Ok(())
+}
+
+/// Equal values once, in order, and for each value its index there from 0.
+fn distinct<const N: usize>(values: &[[f64; N]]) -> (Vec<[f64; N]>, Vec<u32>) {
+    let mut known: HashMap<[u64; N], u32> = HashMap::new();
+    let mut distinct = Vec::new();
+    let index = values.iter().map(|value| {
+        *known.entry(value.map(f64::to_bits)).or_insert_with(|| {
+            distinct.push(*value);
+            distinct.len() as u32 - 1
+        })
+    });
+    let index = index.collect();
+    (distinct, index)
+}
+
 /// Writes the `vt` statements, equal ones of corners once. For each corner its index from 0,
 /// unless that is its vertex.
 fn write_uvs(
     data: &MeshData,
-    numbers: &mut NumberWriter,
+    single: bool,
     out: &mut dyn Write,
 ) -> Result<Option<Vec<u32>>, Error> {
-    let mut write = |uv: &[f64; 2]| -> Result<(), Error> {
-        out.write_all(b"vt")?;
-        numbers.write_all(out, uv)?;
-        Ok(out.write_all(b"\n")?)
-    };
     let Some(corner_uvs) = &data.corner_uvs else {
-        data.uvs.iter().flatten().try_for_each(&mut write)?;
+        write_statements("vt", data.uvs.as_deref().unwrap_or_default(), single, out)?;
         return Ok(None);
     };
-    let mut known: HashMap<[u64; 2], u32> = HashMap::new();
-    let mut of_corner = Vec::with_capacity(corner_uvs.len());
-    for uv in corner_uvs {
-        let next = known.len() as u32;
-        let index = *known.entry(uv.map(f64::to_bits)).or_insert(next);
-        if index == next {
-            write(uv)?;
-        }
-        of_corner.push(index);
-    }
+    let (uvs, of_corner) = distinct(corner_uvs);
+    write_statements("vt", &uvs, single, out)?;
     Ok(Some(of_corner))
 }
 
@@ -867,70 +896,66 @@ fn write_uvs(
 /// is its vertex.
 fn write_normals(
     data: &MeshData,
-    numbers: &mut NumberWriter,
+    single: bool,
     out: &mut dyn Write,
 ) -> Result<Option<Vec<u32>>, Error> {
-    let mut write = |n: &Vec3| -> Result<(), Error> {
-        out.write_all(b"vn")?;
-        numbers.write_all(out, &[n.x, n.y, n.z])?;
-        Ok(out.write_all(b"\n")?)
-    };
     let Some(corner_normals) = &data.corner_normals else {
-        data.normals.iter().flatten().try_for_each(&mut write)?;
+        let normals = data.normals.as_deref().unwrap_or_default();
+        write_statements::<3>("vn", bytemuck::cast_slice(normals), single, out)?;
         return Ok(None);
     };
-    let mut known: HashMap<[u64; 3], u32> = HashMap::new();
-    let mut of_corner = Vec::with_capacity(corner_normals.len());
-    for n in corner_normals {
-        let next = known.len() as u32;
-        let index = *known.entry([n.x, n.y, n.z].map(f64::to_bits)).or_insert(next);
-        if index == next {
-            write(n)?;
-        }
-        of_corner.push(index);
-    }
+    let (normals, of_corner) = distinct::<3>(bytemuck::cast_slice(corner_normals));
+    write_statements("vn", &normals, single, out)?;
     Ok(Some(of_corner))
 }
 
-fn write_faces(
+/// Appends the `f` statements of some faces, and the names that begin there.
+fn face_rows(
     data: &MeshData,
     uv_of_corner: Option<&[u32]>,
     normal_of_corner: Option<&[u32]>,
-    out: &mut dyn Write,
-) -> Result<(), Error> {
+    rows: Range<usize>,
+    out: &mut Vec<u8>,
+) {
     let has_uv = data.uvs.is_some() || uv_of_corner.is_some();
     let has_normal = data.normals.is_some() || normal_of_corner.is_some();
-    let mut last = [None; 2];
-    let mut corner = 0;
-    for (face, vertices) in data.faces.iter().enumerate() {
-        for (i, (keyword, labels)) in
-            [("g", &data.groups), ("usemtl", &data.materials)].into_iter().enumerate()
-        {
+    let (start, corners) = (data.faces.starts(), data.faces.corners());
+    let mut numbers = NumberWriter::new(false);
+    for face in rows {
+        for (keyword, labels) in [("g ", &data.groups), ("usemtl ", &data.materials)] {
             let Some(labels) = labels else { continue };
             let label = labels.of_face[face];
             let name = &labels.names[label as usize];
-            // A face before the first name needs no statement.
-            if last[i] != Some(label) && !(last[i].is_none() && name.is_empty()) {
-                writeln!(out, "{keyword} {}", statement_name(name))?;
+            let goes_on = match face.checked_sub(1) {
+                Some(last) => labels.of_face[last] == label,
+                // A face before the first name needs no statement.
+                None => name.is_empty(),
+            };
+            if !goes_on {
+                out.extend_from_slice(keyword.as_bytes());
+                out.extend_from_slice(statement_name(name).as_bytes());
+                out.push(b'\n');
             }
-            last[i] = Some(label);
         }
-        out.write_all(b"f")?;
-        for &v in vertices {
-            let vertex = u64::from(v) + 1;
-            let uv = uv_of_corner.map_or(vertex, |of| u64::from(of[corner]) + 1);
-            let normal = normal_of_corner.map_or(vertex, |of| u64::from(of[corner]) + 1);
-            match (has_uv, has_normal) {
-                (false, false) => write!(out, " {vertex}")?,
-                (true, false) => write!(out, " {vertex}/{uv}")?,
-                (false, true) => write!(out, " {vertex}//{normal}")?,
-                (true, true) => write!(out, " {vertex}/{uv}/{normal}")?,
+        out.push(b'f');
+        for corner in start[face] as usize..start[face + 1] as usize {
+            let vertex = corners[corner];
+            let index = |of_corner: Option<&[u32]>| of_corner.map_or(vertex, |of| of[corner]);
+            out.push(b' ');
+            numbers.whole(out, u64::from(vertex) + 1);
+            if has_uv || has_normal {
+                out.push(b'/');
             }
-            corner += 1;
+            if has_uv {
+                numbers.whole(out, u64::from(index(uv_of_corner)) + 1);
+            }
+            if has_normal {
+                out.push(b'/');
+                numbers.whole(out, u64::from(index(normal_of_corner)) + 1);
+            }
         }
-        out.write_all(b"\n")?;
+        out.push(b'\n');
     }
-    Ok(())
 }
 
 /// A name as a statement can hold it: on one line, no comment, no continuation.

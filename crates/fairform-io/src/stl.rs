@@ -17,8 +17,8 @@ use crate::data::{LabelBuilder, MeshData, WriteOptions, too_many_corners};
 use crate::error::{Error, ParseError, Place};
 use crate::format::left_out;
 use crate::par;
-use crate::text::{NumberWriter, Scanner, counted, text_of};
-use crate::triangulate::Triangulator;
+use crate::text::{NumberWriter, ROWS, Scanner, counted, text_of};
+use crate::triangulate::Triangles;
 use crate::weld::{Point, Weld, numbers};
 
 /// Bytes before the first triangle of a binary file: a free header, and the count.
@@ -272,24 +272,15 @@ pub(crate) fn encode(
     options: &WriteOptions,
     out: &mut dyn Write,
 ) -> Result<Vec<String>, Error> {
-    let mut triangles = Vec::with_capacity(data.faces.len());
-    let mut face_of = Vec::new();
-    let mut cutter = Triangulator::default();
-    let (mut cut, mut dropped) = (0, 0);
-    for (face, corners) in data.faces.iter().enumerate() {
-        cutter.cut(&data.positions, corners, &mut triangles);
-        face_of.resize(triangles.len(), face);
-        cut += usize::from(corners.len() > 3);
-        dropped += usize::from(corners.len() < 3);
-    }
+    let triangles = Triangles::new(&data.positions, &data.faces);
     let mut notes = Vec::new();
     if options.ascii {
-        write_text(data, options, &triangles, &face_of, out)?;
+        write_text(data, options, &triangles, out)?;
     } else {
-        write_binary(data, &triangles, out)?;
+        write_binary(data, &triangles.corners, out)?;
         notes.extend(rounding_note(data));
     }
-    notes.extend(triangle_notes(cut, dropped));
+    notes.extend(triangle_notes(triangles.cut, triangles.dropped));
     notes.extend(unused_note(data));
     notes.extend(left_out(
         &[
@@ -321,8 +312,10 @@ pub(crate) fn triangle_notes(cut: usize, dropped: usize) -> Vec<String> {
 /// Says so if coordinates are not the same in 32 bits.
 pub(crate) fn rounding_note(data: &MeshData) -> Option<String> {
     let exact = |x: f64| x.is_nan() || f64::from(x as f32).to_bits() == x.to_bits();
-    let all = data.positions.iter().all(|p| exact(p.x) && exact(p.y) && exact(p.z));
-    (!all).then(|| "coordinates rounded to 32 bits".to_string())
+    let all = par::map(data.positions.chunks(ROWS), |block| {
+        block.iter().all(|p| exact(p.x) && exact(p.y) && exact(p.z))
+    });
+    all.contains(&false).then(|| "coordinates rounded to 32 bits".to_string())
 }
 
 fn unused_note(data: &MeshData) -> Option<String> {
@@ -346,53 +339,63 @@ fn write_binary(data: &MeshData, triangles: &[[u32; 3]], out: &mut dyn Write) ->
     header[..8].copy_from_slice(b"fairform");
     header[80..].copy_from_slice(&count.to_le_bytes());
     out.write_all(&header)?;
-    for &triangle in triangles {
-        let ([a, b, c], normal) = corners_of(data, triangle);
-        let mut record = [0; TRIANGLE];
-        let numbers = [normal, a, b, c].into_iter().flat_map(<[f64; 3]>::from);
-        for (bytes, x) in record.as_chunks_mut::<4>().0.iter_mut().zip(numbers) {
-            *bytes = (x as f32).to_le_bytes();
+    par::write_rows(out, triangles.len(), ROWS, |rows, out| {
+        for &triangle in &triangles[rows] {
+            let ([a, b, c], normal) = corners_of(data, triangle);
+            let mut record = [0; TRIANGLE];
+            let numbers = [normal, a, b, c].into_iter().flat_map(<[f64; 3]>::from);
+            for (bytes, x) in record.as_chunks_mut::<4>().0.iter_mut().zip(numbers) {
+                *bytes = (x as f32).to_le_bytes();
+            }
+            out.extend_from_slice(&record);
         }
-        out.write_all(&record)?;
-    }
+    })?;
     Ok(())
 }
 
 fn write_text(
     data: &MeshData,
     options: &WriteOptions,
-    triangles: &[[u32; 3]],
-    face_of: &[usize],
+    triangles: &Triangles<'_>,
     out: &mut dyn Write,
 ) -> Result<(), Error> {
-    let mut numbers = NumberWriter::new(options.single_precision);
-    let label = |i: usize| data.groups.as_ref().map(|g| g.of_face[face_of[i]]);
-    let name = |label: Option<u32>| match (&data.groups, label) {
-        (Some(groups), Some(label)) => {
-            groups.names[label as usize].replace(|c: char| c.is_control(), " ").trim().to_string()
-        }
-        _ => "fairform".to_string(),
+    let count = triangles.corners.len();
+    let name = |triangle: Option<usize>| {
+        let label = data.groups.as_ref().zip(triangle);
+        label.map_or_else(
+            || "fairform".to_string(),
+            |(groups, triangle)| {
+                let name = &groups.names[groups.of_face[triangles.face_of(triangle)] as usize];
+                name.replace(|c: char| c.is_control(), " ").trim().to_string()
+            },
+        )
     };
-    let first = if triangles.is_empty() { None } else { label(0) };
-    let mut current = first;
-    writeln!(out, "solid {}", name(current))?;
-    for (i, &triangle) in triangles.iter().enumerate() {
-        if label(i) != current {
-            writeln!(out, "endsolid {}", name(current))?;
-            current = label(i);
-            writeln!(out, "solid {}", name(current))?;
+    let last = count.checked_sub(1);
+    writeln!(out, "solid {}", name(last.map(|_| 0)))?;
+    par::write_rows(out, count, ROWS, |rows, out| {
+        let mut numbers = NumberWriter::new(options.single_precision);
+        for i in rows {
+            let label = |i| data.groups.as_ref().map(|g| g.of_face[triangles.face_of(i)]);
+            if i > 0 && label(i) != label(i - 1) {
+                let (before, next) = (name(Some(i - 1)), name(Some(i)));
+                out.extend_from_slice(format!("endsolid {before}\nsolid {next}\n").as_bytes());
+            }
+            text_row(corners_of(data, triangles.corners[i]), &mut numbers, out);
         }
-        let (corners, normal) = corners_of(data, triangle);
-        out.write_all(b"  facet normal")?;
-        numbers.write_all(out, &<[f64; 3]>::from(normal))?;
-        out.write_all(b"\n    outer loop\n")?;
-        for p in corners {
-            out.write_all(b"      vertex")?;
-            numbers.write_all(out, &<[f64; 3]>::from(p))?;
-            out.write_all(b"\n")?;
-        }
-        out.write_all(b"    endloop\n  endfacet\n")?;
-    }
-    writeln!(out, "endsolid {}", name(current))?;
+    })?;
+    writeln!(out, "endsolid {}", name(last))?;
     Ok(())
+}
+
+/// Appends a facet.
+fn text_row((corners, normal): ([Vec3; 3], Vec3), numbers: &mut NumberWriter, out: &mut Vec<u8>) {
+    out.extend_from_slice(b"  facet normal");
+    numbers.write_all(out, &<[f64; 3]>::from(normal));
+    out.extend_from_slice(b"\n    outer loop\n");
+    for p in corners {
+        out.extend_from_slice(b"      vertex");
+        numbers.write_all(out, &<[f64; 3]>::from(p));
+        out.push(b'\n');
+    }
+    out.extend_from_slice(b"    endloop\n  endfacet\n");
 }

@@ -1,7 +1,5 @@
 //! Scanning words and numbers in text held as bytes, and writing numbers.
 
-use std::io::{self, Write};
-
 use crate::error::{ParseError, Place};
 
 /// A position in a text. Lines are counted only when an error needs one.
@@ -328,44 +326,53 @@ pub(crate) fn counted(n: usize, one: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { &many })
 }
 
-/// Writes numbers in the shortest form that reads back as the same bits.
+/// Appends numbers in the shortest form that reads back as the same bits.
 pub(crate) struct NumberWriter {
     buffer: zmij::Buffer,
+    whole: itoa::Buffer,
     single: bool,
 }
 
 impl NumberWriter {
     /// With `single`, numbers are rounded to 32 bits first.
     pub(crate) fn new(single: bool) -> Self {
-        Self { buffer: zmij::Buffer::new(), single }
+        Self { buffer: zmij::Buffer::new(), whole: itoa::Buffer::new(), single }
     }
 
-    pub(crate) fn write(&mut self, out: &mut dyn Write, value: f64) -> io::Result<()> {
+    pub(crate) fn write(&mut self, out: &mut Vec<u8>, value: f64) {
         if !value.is_finite() {
             let word = match value {
                 v if v.is_nan() => "nan",
                 v if v > 0.0 => "inf",
                 _ => "-inf",
             };
-            return out.write_all(word.as_bytes());
+            out.extend_from_slice(word.as_bytes());
+            return;
         }
         let text = if self.single && (value as f32).is_finite() {
             self.buffer.format_finite(value as f32)
         } else {
             self.buffer.format_finite(value)
         };
-        out.write_all(text.strip_suffix(".0").unwrap_or(text).as_bytes())
+        out.extend_from_slice(text.strip_suffix(".0").unwrap_or(text).as_bytes());
     }
 
-    /// Writes numbers with a blank before each.
-    pub(crate) fn write_all(&mut self, out: &mut dyn Write, values: &[f64]) -> io::Result<()> {
+    /// Appends numbers with a blank before each.
+    pub(crate) fn write_all(&mut self, out: &mut Vec<u8>, values: &[f64]) {
         for &value in values {
-            out.write_all(b" ")?;
-            self.write(out, value)?;
+            out.push(b' ');
+            self.write(out, value);
         }
-        Ok(())
+    }
+
+    /// Appends a whole number.
+    pub(crate) fn whole(&mut self, out: &mut Vec<u8>, value: u64) {
+        out.extend_from_slice(self.whole.format(value).as_bytes());
     }
 }
+
+/// Rows of text formatted at once.
+pub(crate) const ROWS: usize = 1 << 14;
 
 #[cfg(test)]
 mod tests {
@@ -409,12 +416,10 @@ mod tests {
     fn numbers_are_written_shortest() {
         let mut out = Vec::new();
         let mut writer = NumberWriter::new(false);
-        writer
-            .write_all(&mut out, &[1.0, -0.5, 0.1, 1e30, 5e-324, f64::NAN, f64::NEG_INFINITY])
-            .unwrap();
+        writer.write_all(&mut out, &[1.0, -0.5, 0.1, 1e30, 5e-324, f64::NAN, f64::NEG_INFINITY]);
         assert_eq!(out, b" 1 -0.5 0.1 1e+30 5e-324 nan -inf");
         out.clear();
-        NumberWriter::new(true).write_all(&mut out, &[f64::from(0.1_f32), 1e-7]).unwrap();
+        NumberWriter::new(true).write_all(&mut out, &[f64::from(0.1_f32), 1e-7]);
         assert_eq!(out, b" 0.1 1e-7");
     }
 }
