@@ -10,6 +10,7 @@ use crate::machine;
 /// What is measured, by which example, and where the page of it is.
 pub(crate) struct Bench {
     title: &'static str,
+    package: &'static str,
     example: &'static str,
     command: &'static str,
     page: &'static str,
@@ -17,6 +18,7 @@ pub(crate) struct Bench {
 
 pub(crate) const MESHES: Bench = Bench {
     title: "How fast fairform is",
+    package: "fairform",
     example: "bench_table",
     command: "cargo xtask bench --write",
     page: "docs/performance.md",
@@ -24,14 +26,23 @@ pub(crate) const MESHES: Bench = Bench {
 
 pub(crate) const STREAMLINES: Bench = Bench {
     title: "How fast tangents are",
+    package: "fairform",
     example: "streamline_table",
     command: "cargo xtask bench streamlines --write",
     page: "docs/performance-streamlines.md",
 };
 
+pub(crate) const FILES: Bench = Bench {
+    title: "How fast files are read and written",
+    package: "fairform-io",
+    example: "io_table",
+    command: "cargo xtask bench io --write",
+    page: "docs/performance-io.md",
+};
+
 impl Bench {
     fn cargo(&self, what: &str) -> Command {
-        cargo(&[what, "--release", "--package", "fairform", "--example", self.example, "--quiet"])
+        cargo(&[what, "--release", "--package", self.package, "--example", self.example, "--quiet"])
     }
 }
 

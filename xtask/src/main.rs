@@ -20,6 +20,7 @@ cargo xtask bench [--write]         how fast each step is on this machine, besid
 cargo xtask bench streamlines [--write]
                                     the same of curves and surfaces of tangents;
                                     docs/performance-streamlines.md
+cargo xtask bench io [--write]      the same of every file format; docs/performance-io.md
 cargo xtask fuzz [SECONDS] [TARGET] every fuzz target, or one, for so long each [30]
 cargo xtask guide                   the pictures of the guide, anew
 cargo xtask help                    this";
@@ -34,6 +35,8 @@ fn main() -> ExitCode {
         ["bench", "--write"] => bench::run(&bench::MESHES, true),
         ["bench", "streamlines"] => bench::run(&bench::STREAMLINES, false),
         ["bench", "streamlines", "--write"] => bench::run(&bench::STREAMLINES, true),
+        ["bench", "io"] => bench::run(&bench::FILES, false),
+        ["bench", "io", "--write"] => bench::run(&bench::FILES, true),
         ["fuzz", rest @ ..] => fuzz::run(rest),
         ["guide"] => guide::run(),
         [] | ["help" | "--help" | "-h"] => {

@@ -57,12 +57,10 @@ fn torus(side: u32, kind: &str) -> MeshData {
     let at = |i: u32, j: u32| i % side * side + j % side;
     let cells = (0..side).flat_map(|i| (0..side).map(move |j| (i, j)));
     let quads = cells.map(|(i, j)| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
-    let faces = match kind {
-        "quads" => Faces::uniform(4, quads.flatten().collect()),
-        _ => {
-            let triangles = quads.flat_map(|[a, b, c, d]| [a, b, c, a, c, d]);
-            Faces::uniform(3, triangles.collect())
-        }
+    let faces = if kind == "quads" {
+        Faces::uniform(4, quads.flatten().collect())
+    } else {
+        Faces::uniform(3, quads.flat_map(|[a, b, c, d]| [a, b, c, a, c, d]).collect())
     };
     let normal = |p: &Vec3| {
         let ring = Vec3::new(p.x, p.y, 0.0).normalized();

@@ -99,9 +99,11 @@ impl MeshData {
             place.push((property.scalar, offset));
             offset += property.scalar.size();
         }
-        let vectors = |at: [usize; 3]| bytemuck::cast_vec(rows.columns(at.map(|i| place[i])));
-        self.positions = vectors(columns.position);
-        self.normals = columns.normal.map(vectors);
+        let all = [Some(columns.position), columns.normal];
+        let [positions, normals] =
+            all.map(|at| Some(bytemuck::cast_vec(rows.columns(at?.map(|i| place[i])))));
+        self.positions = positions.unwrap_or_default();
+        self.normals = normals;
         self.uvs = columns.uv.map(|at| rows.columns(at.map(|i| place[i])));
         self.colours = columns.colour.map(|([r, g, b], alpha)| {
             // Where there is no alpha, any number in its place.
@@ -444,5 +446,71 @@ impl Reader {
             uvs.resize(self.data.faces.corners().len(), [0.0; 2]);
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A binary file of `vertex_count` vertices and faces, each with a byte behind or without.
+    fn file(vertex_count: u32, faces: &[&[i32]], behind: bool) -> Vec<u8> {
+        let property = if behind { "property uchar flag\n" } else { "" };
+        let mut bytes = format!(
+            "ply\nformat binary_little_endian 1.0\nelement vertex {vertex_count}\nproperty float z\n\
+             property double x\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n\
+             property short y\nelement face {}\nproperty list uchar int vertex_indices\n{property}\
+             end_header\n",
+            faces.len()
+        )
+        .into_bytes();
+        for i in 0..vertex_count {
+            bytes.extend((0.5 * i as f32).to_le_bytes());
+            bytes.extend((0.1 * f64::from(i)).to_le_bytes());
+            bytes.extend([255, 0, 51, i as u8, 0xff]);
+        }
+        for face in faces {
+            bytes.push(face.len() as u8);
+            bytes.extend(face.iter().flat_map(|v| v.to_le_bytes()));
+            bytes.extend(behind.then_some(7));
+        }
+        bytes
+    }
+
+    #[test]
+    fn faces_of_one_size_are_read_as_any() {
+        let cases: [&[&[i32]]; 6] = [
+            &[&[0, 1, 2], &[2, 1, 3]],
+            &[&[0, 1, 2, 3]],
+            &[&[0, 1, 2], &[2, 1, 3, 0], &[1, 2, 3]],
+            &[&[], &[0, 1, 2]],
+            &[&[0, 1, 2], &[2, 1, 4]],
+            &[&[0, 1, 2], &[2, 1, -1]],
+        ];
+        for faces in cases {
+            let plain = parse(&file(4, faces, false));
+            let general = parse(&file(4, faces, true));
+            match (plain, general) {
+                (Ok(plain), Ok(general)) => {
+                    assert_eq!(plain, general);
+                    let expected: Vec<Vec<u32>> =
+                        faces.iter().map(|f| f.iter().map(|v| *v as u32).collect()).collect();
+                    assert_eq!(plain.faces, expected.iter().collect());
+                }
+                (Err(plain), Err(general)) => assert_eq!(plain.message, general.message),
+                (plain, general) => panic!("{plain:?} and {general:?}"),
+            }
+        }
+        let cut = file(4, cases[0], false);
+        let error = parse(&cut[..cut.len() - 1]).unwrap_err().message;
+        assert!(error.starts_with("the file declares 2 faces and ends after 1"), "{error}");
+    }
+
+    #[test]
+    fn columns_of_any_type_are_read() {
+        let data = parse(&file(3, &[&[0, 1, 2]], false)).unwrap();
+        // The two bytes of y are those of -256 + i.
+        assert_eq!(data.positions[2], Vec3::new(0.2, -254.0, 1.0));
+        assert_eq!(data.colours.unwrap()[1], [1.0, 0.0, 0.2, 1.0]);
     }
 }

@@ -399,3 +399,30 @@ fn text_row((corners, normal): ([Vec3; 3], Vec3), numbers: &mut NumberWriter, ou
     }
     out.extend_from_slice(b"    endloop\n  endfacet\n");
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_are_welded_as_the_whole() {
+        let mesh = fairform::shapes::torus(8, 9);
+        let faces = Faces::uniform(
+            3,
+            mesh.topology().halfedges().map(|h| mesh.topology().origin(h).0).collect(),
+        );
+        let data = MeshData { positions: mesh.positions().to_vec(), faces, ..MeshData::default() };
+        let mut bytes = Vec::new();
+        encode(&data, &WriteOptions::default(), &mut bytes).unwrap();
+        // A flat triangle, and one with attributes.
+        let (first, second) = (HEADER + 12, HEADER + TRIANGLE);
+        bytes.copy_within(first..first + 12, first + 12);
+        bytes[second + 48] = 1;
+        let whole = parse_binary(&bytes, usize::MAX).unwrap();
+        assert_eq!(whole.positions.len(), 72);
+        assert_eq!(whole.notes.len(), 3, "{:?}", whole.notes);
+        for block in [1, 2, 7, 100] {
+            assert_eq!(parse_binary(&bytes, block).unwrap(), whole);
+        }
+    }
+}

@@ -175,3 +175,45 @@ pub(crate) fn numbers<P: Point + Sync>(positions: &[P]) -> Vec<u32> {
     }
     numbers
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashMap;
+
+    use super::*;
+
+    /// Numbers by a map of the library, on one thread.
+    fn plainly(points: &[[f32; 3]]) -> Vec<u32> {
+        let mut known = HashMap::new();
+        points
+            .iter()
+            .map(|p| {
+                let next = known.len() as u32;
+                *known.entry(p.bits()).or_insert(next)
+            })
+            .collect()
+    }
+
+    #[test]
+    fn positions_are_numbered_as_they_first_appear() {
+        // Few of many, many of few, and all of one; long enough for several parts.
+        for distinct in [1_u32, 50, 20_000, 200_000] {
+            let point = |i: u32| {
+                let k = (i.wrapping_mul(2_654_435_761) >> 7) % distinct;
+                [k as f32, -0.0, if i.is_multiple_of(2) { 0.0 } else { -0.0 }]
+            };
+            let mut points: Vec<[f32; 3]> = (0..60_000).map(point).collect();
+            points[77] = [f32::NAN; 3];
+            points[59_000] = [f32::NAN; 3];
+            let expected = plainly(&points);
+            assert_eq!(numbers(&points), expected);
+            let count = expected.iter().max().unwrap() + 1;
+            let positions: Vec<Vec3> = points.iter().map(|p| p.position()).collect();
+            assert_eq!(super::distinct(&positions), count as usize);
+            // From no room at all the table grows.
+            let mut weld = Weld::with_capacity(0);
+            assert_eq!(points.iter().map(|p| weld.vertex(*p)).collect::<Vec<_>>(), expected);
+            assert_eq!(weld.positions.len(), count as usize);
+        }
+    }
+}

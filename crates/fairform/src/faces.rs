@@ -48,6 +48,13 @@ impl Faces {
 
     /// Faces from where each begins in `corners`, and the end, as [`starts`](Self::starts) gives them.
     ///
+    /// ```
+    /// use fairform::Faces;
+    ///
+    /// let faces = Faces::from_starts(vec![0, 3, 3, 7], vec![0, 1, 2, 3, 2, 1, 4]);
+    /// assert_eq!(faces, [&[0, 1, 2][..], &[], &[3, 2, 1, 4]].into_iter().collect());
+    /// ```
+    ///
     /// # Panics
     /// If `start` does not rise from zero to the number of corners.
     #[must_use]
