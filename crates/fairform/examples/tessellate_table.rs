@@ -37,12 +37,15 @@ fn main() {
         }
     };
     println!("ns per fine vertex, best of {RUNS}\n");
-    println!("| Mesh | Threads | Classes | Prepare | Base | Faces | f64 p+n new | again | p again | f32 p+n new | again | All new | Write new | Write again |");
+    println!(
+        "| Mesh | Threads | Classes | Prepare | Base | Faces | f64 p+n new | again | p again | f32 p+n new | again | All new | Write new | Write again |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     for (name, scheme, mesh) in meshes {
         for threads in 1..=most {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            pool.expect("threads can be started").install(|| row(name, scheme, &mesh, levels, threads));
+            pool.expect("threads can be started")
+                .install(|| row(name, scheme, &mesh, levels, threads));
         }
     }
 }
@@ -77,7 +80,16 @@ fn row(name: &str, scheme: Scheme, mesh: &Mesh, levels: u32, threads: usize) {
     let (write_again, ()) = best(|| write(&mut memory));
     let ns = |seconds: f64| format!("{:.1}", 1e9 * seconds / count as f64);
     let cells = [
-        prepare, base, faces, fresh, again, points, single_fresh, single_again, all, write_new,
+        prepare,
+        base,
+        faces,
+        fresh,
+        again,
+        points,
+        single_fresh,
+        single_again,
+        all,
+        write_new,
         write_again,
     ]
     .map(ns);

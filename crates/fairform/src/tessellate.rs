@@ -62,6 +62,20 @@ const BLOCK: usize = 512;
 /// Vertices that are worked on together.
 const TOGETHER: usize = 32;
 
+/// The sides of faces and what is inside.
+const BOTH: [bool; 2] = [true; 2];
+
+/// Some points that lie one behind the other, and are made together: a few ten thousand at most.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Part {
+    /// Vertices of the base.
+    Vertices(Range<usize>),
+    /// The points on those edges whose first face is one of these faces of the base.
+    Sides(Range<usize>),
+    /// The points inside these faces of the base.
+    Inside(Range<usize>),
+}
+
 /// Which points are wanted.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Points {
@@ -250,6 +264,58 @@ impl Tessellation {
         inner.iter_mut().zip(first..).for_each(|(slot, number)| *slot = number);
     }
 
+    /// All points in order, part by part: for those who cannot, or need not, have all in memory.
+    pub fn parts(&self) -> impl Iterator<Item = Part> + use<> {
+        let blocks = |len: usize, block: usize| {
+            (0..len).step_by(block).map(move |start| start..(start + block).min(len))
+        };
+        let face_count = if self.plan.is_some() { self.base().face_count() } else { 0 };
+        blocks(self.base().vertex_count(), par::BLOCK)
+            .map(Part::Vertices)
+            .chain(blocks(face_count, BLOCK).map(Part::Sides))
+            .chain(blocks(face_count, BLOCK).map(Part::Inside))
+    }
+
+    /// The numbers of the points of a part.
+    ///
+    /// # Panics
+    /// If the base has no such vertices or faces.
+    #[must_use]
+    pub fn numbers_of(&self, part: &Part) -> Range<usize> {
+        let (side, inner) = self.per_edge_and_face();
+        let base = self.base();
+        let first_of_edges = base.vertex_count();
+        let first_of_faces = first_of_edges + base.edge_count() * side;
+        let range = |r: &Range<usize>, first: usize, each: usize, most: usize| {
+            assert!(r.start <= r.end && r.end <= most, "{part:?} of {most}");
+            first + r.start * each..first + r.end * each
+        };
+        match part {
+            Part::Vertices(vertices) => range(vertices, 0, 1, base.vertex_count()),
+            Part::Inside(faces) => range(faces, first_of_faces, inner, base.face_count()),
+            Part::Sides(faces) => {
+                assert!(faces.end <= base.face_count(), "{part:?} of {}", base.face_count());
+                let edges = self.edges_before(faces.start)..self.edges_before(faces.end);
+                range(&edges, first_of_edges, side, base.edge_count())
+            }
+        }
+    }
+
+    /// The numbers of the points of a face of the base, those on its outline too: its corners, the points
+    /// on its sides in its own direction, and those inside.
+    ///
+    /// # Panics
+    /// If there is no such face.
+    #[must_use]
+    pub fn patch_numbers(&self, face: FaceId) -> Vec<u32> {
+        let Some(plan) = &self.plan else {
+            return self.base().face_vertices(face).iter().map(|v| v.0).collect();
+        };
+        let mut numbers = alloc::vec![0; plan.grid.point_count()];
+        self.numbers(&plan.grid, face.index(), &mut numbers);
+        numbers
+    }
+
     /// The surface of certain control points.
     ///
     /// # Errors
@@ -380,11 +446,90 @@ impl Surface<'_> {
             parts.push((room, in_faces.take(faces.len() * plan.grid.inner), faces));
         }
         par::in_parts(parts, |(on_edges, in_faces, faces)| {
-            wide::run(
-                #[inline(always)]
-                || self.fill_block(plan, faces, on_edges, in_faces),
-            );
+            self.fill_block(plan, BOTH, faces, on_edges, in_faces);
         });
+    }
+
+    /// Writes the points and normals of a part, the same bits as [`fill`](Self::fill) writes there.
+    ///
+    /// # Panics
+    /// If there is not room for just so many, or the base has no such vertices or faces.
+    pub fn fill_part<P: Point, N: Point>(
+        &self,
+        part: &Part,
+        positions: &mut [P],
+        normals: Option<&mut [N]>,
+    ) {
+        assert_eq!(
+            positions.len(),
+            self.tessellation.numbers_of(part).len(),
+            "room for the points"
+        );
+        assert!(normals.as_ref().is_none_or(|n| n.len() == positions.len()), "as many normals");
+        let room = Room { positions, normals };
+        match (part, &self.tessellation.plan) {
+            (Part::Vertices(vertices), _) => self.fill_vertex_block(vertices.start, room),
+            (Part::Sides(faces), Some(plan)) => {
+                let (nothing, room) = room.split(0);
+                self.fill_block(plan, [true, false], faces.clone(), room, nothing);
+            }
+            (Part::Inside(faces), Some(plan)) => {
+                let (nothing, room) = room.split(0);
+                self.fill_block(plan, [false, true], faces.clone(), nothing, room);
+            }
+            (_, None) => {}
+        }
+    }
+
+    /// The points of a face of the base and their normals, those on its outline too, in the order of
+    /// [`patch_numbers`](Tessellation::patch_numbers); the same bits as [`fill`](Self::fill) writes, so
+    /// that neighbouring patches fit without a gap.
+    ///
+    /// # Panics
+    /// If there is no such face.
+    #[must_use]
+    pub fn patch(&self, face: FaceId) -> (Vec<Vec3>, Vec<Vec3>) {
+        let all = self.tessellation;
+        let count = all.patch_numbers(face).len();
+        let (mut positions, mut normals) =
+            (alloc::vec![Vec3::ZERO; count], alloc::vec![Vec3::ZERO; count]);
+        let mut room = Room { positions: &mut positions[..], normals: Some(&mut normals[..]) };
+        for v in all.base().face_vertices(face) {
+            self.fill_vertex_block(v.index(), room.take(1));
+        }
+        if let Some(plan) = &all.plan {
+            for h in all.base().face_halfedges(face) {
+                self.fill_side(plan, h, room.take(plan.grid.side));
+            }
+            let (nothing, room) = room.split(0);
+            self.fill_block(plan, [false, true], face.index()..face.index() + 1, nothing, room);
+        }
+        (positions, normals)
+    }
+
+    /// The points on the side of a half-edge, in its direction, as the first face of the edge has them.
+    fn fill_side(&self, plan: &Plan, h: HalfedgeId, room: Room<'_, Vec3, Vec3>) {
+        let base = self.tessellation.base();
+        let (side, corners) = (plan.grid.side, plan.grid.corners);
+        let first = base.edge_halfedge(base.edge(h));
+        let face = first.index() / corners;
+        let before = owned_sides(base, face, corners) & ((1 << (first.index() % corners)) - 1);
+        let (skipped, mut all) = (before.count_ones() as usize * side, [Vec::new(), Vec::new()]);
+        let count = owned_sides(base, face, corners).count_ones() as usize * side;
+        all.iter_mut().for_each(|all| all.resize(count, Vec3::ZERO));
+        let [positions, normals] = &mut all;
+        let whole = Room { positions: &mut positions[..], normals: Some(&mut normals[..]) };
+        let (nothing, whole) = whole.split(0);
+        self.fill_block(plan, [true, false], face..face + 1, whole, nothing);
+        let [positions, normals] = all.map(|mut all| {
+            let own = &mut all[skipped..skipped + side];
+            if first != h {
+                own.reverse();
+            }
+            own.to_vec()
+        });
+        let mut room = room;
+        room.write(positions.into_iter(), normals.into_iter());
     }
 
     fn fill_vertices<P: Point, N: Point>(&self, mut room: Room<'_, P, N>) {
@@ -393,20 +538,23 @@ impl Surface<'_> {
         for start in (0..count).step_by(par::BLOCK) {
             parts.push((start, room.take(par::BLOCK.min(count - start))));
         }
-        par::in_parts(parts, |(start, room)| {
-            wide::run(
-                #[inline(always)]
-                || self.fill_vertex_block(start, room),
-            );
-        });
+        par::in_parts(parts, |(start, room)| self.fill_vertex_block(start, room));
+    }
+
+    fn fill_vertex_block<P: Point, N: Point>(&self, start: usize, room: Room<'_, P, N>) {
+        wide::run(
+            #[inline(always)]
+            || self.fill_vertex_block_wide(start, room),
+        );
     }
 
     #[inline(always)]
-    fn fill_vertex_block<P: Point, N: Point>(&self, start: usize, mut room: Room<'_, P, N>) {
+    fn fill_vertex_block_wide<P: Point, N: Point>(&self, start: usize, mut room: Room<'_, P, N>) {
         let vertices = start..start + room.positions.len();
         let Some(plan) = &self.tessellation.plan else {
             if let Some(done) = &self.rest {
-                let (positions, normals) = (&done.positions[vertices.clone()], &done.normals[vertices]);
+                let (positions, normals) =
+                    (&done.positions[vertices.clone()], &done.normals[vertices]);
                 room.write(positions.iter().copied(), normals.iter().copied());
             }
             return;
@@ -475,20 +623,36 @@ impl Surface<'_> {
     }
 
     /// The points of some faces of the base: of their own edges, and inside.
-    #[inline(always)]
     fn fill_block<P: Point, N: Point>(
         &self,
         plan: &Plan,
+        what: [bool; 2],
+        faces: Range<usize>,
+        on_edges: Room<'_, P, N>,
+        in_faces: Room<'_, P, N>,
+    ) {
+        wide::run(
+            #[inline(always)]
+            || self.fill_block_wide(plan, what, faces, on_edges, in_faces),
+        );
+    }
+
+    #[inline(always)]
+    fn fill_block_wide<P: Point, N: Point>(
+        &self,
+        plan: &Plan,
+        [with_sides, with_inner]: [bool; 2],
         faces: Range<usize>,
         mut on_edges: Room<'_, P, N>,
         mut in_faces: Room<'_, P, N>,
     ) {
         let base = self.tessellation.base();
-        let (side, inner, corners) = (plan.grid.side, plan.grid.inner, plan.grid.corners);
+        let (side, corners) = (plan.grid.side, plan.grid.corners);
+        let inner = if with_inner { plan.grid.inner } else { 0 };
         let with_normals = in_faces.normals.is_some();
         let (mut scratch, mut sources) = (Scratch::default(), Vec::new());
         for face in faces {
-            let sides = owned_sides(base, face, corners);
+            let sides = if with_sides { owned_sides(base, face, corners) } else { 0 };
             let on_sides = sides.count_ones() as usize * side;
             let (mut on_edges, mut in_face) = (on_edges.take(on_sides), in_faces.take(inner));
             let class = plan.cells.class[face];
@@ -501,7 +665,8 @@ impl Surface<'_> {
                 self.write_rest(plan, face, first..first + inner, &mut in_face);
                 continue;
             }
-            let form = &plan.cells.classes.list[class as usize].whole[sides];
+            let class = &plan.cells.classes.list[class as usize];
+            let form = if with_inner { &class.whole[sides] } else { &class.sides[sides] };
             sources.clear();
             kernel::gather(plan.cells.sources(face), &self.points, &mut sources);
             form.evaluate(&sources, &mut scratch, with_normals);

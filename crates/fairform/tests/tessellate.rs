@@ -23,8 +23,11 @@ fn map(fine: &Tessellation, finest: &Topology, levels: u32) -> Vec<u32> {
         // The step by step children by their coordinates, and the faces row by row.
         let k = base.face_vertices(FaceId(f as u32)).len();
         let n = 1_i32 << levels;
-        let corners =
-            if k == 3 { vec![[0, 0], [n, 0], [0, n]] } else { vec![[0, 0], [n, 0], [n, n], [0, n]] };
+        let corners = if k == 3 {
+            vec![[0, 0], [n, 0], [0, n]]
+        } else {
+            vec![[0, 0], [n, 0], [n, n], [0, n]]
+        };
         let mut vertex = BTreeMap::new();
         descend(finest, f, levels, &corners, &mut vertex);
         let mut here = (f * per_face..).map(|i| faces.get(FaceId(i as u32)));
@@ -63,7 +66,9 @@ fn descend(
 ) {
     if levels == 0 {
         let corners = finest.face_vertices(FaceId(face as u32));
-        at.iter().zip(corners).for_each(|(&at, v)| assert!(out.insert(at, v.0).is_none_or(|w| w == v.0)));
+        at.iter()
+            .zip(corners)
+            .for_each(|(&at, v)| assert!(out.insert(at, v.0).is_none_or(|w| w == v.0)));
         return;
     }
     let k = at.len();
@@ -85,8 +90,7 @@ fn check(mesh: &Mesh, rules: &Rules, first: u32, levels: u32, name: &str) -> usi
     let diagonal = mesh.bounds().diagonal();
     let mut classes = 0;
     for points in [Points::Control, Points::Limit] {
-        let fine =
-            Tessellation::from_level(mesh.topology(), rules, first, levels, points).unwrap();
+        let fine = Tessellation::from_level(mesh.topology(), rules, first, levels, points).unwrap();
         classes = fine.class_count();
         assert_eq!(fine.vertex_count(), topology.vertex_count(), "{name}");
         assert_eq!(fine.face_count(), topology.face_count(), "{name}");
@@ -218,6 +222,42 @@ fn results_do_not_depend_on_threads() {
     let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
     let one = pool(1).install(fine);
     assert!(one == pool(2).install(fine) && one == pool(5).install(fine));
+}
+
+/// Patches and parts are what the whole is, bit for bit.
+#[test]
+fn patches_and_parts_make_the_whole() {
+    let mut cases = vec![
+        (random_mesh(8, 40, 3), Rules::LOOP, 3),
+        (shapes::bipyramid(100), Rules::LOOP, 3),
+        (common::mixed(), Scheme::CatmullClark.into(), 2),
+        (common::mixed(), Scheme::DooSabin.into(), 2),
+        (shapes::cube(), Scheme::CatmullClark.into(), 4),
+    ];
+    let creases = Some(random_creases(cases[0].0.topology(), 7, 30).into());
+    cases.push((cases[0].0.clone(), Rules { creases, ..Rules::LOOP }, 2));
+    for (mesh, rules, levels) in cases {
+        let fine = Tessellation::new(mesh.topology(), &rules, levels, Points::Limit).unwrap();
+        let surface = fine.surface(mesh.positions()).unwrap();
+        let (positions, normals) = surface.points_and_normals();
+        let mut end = 0;
+        for part in fine.parts() {
+            let numbers = fine.numbers_of(&part);
+            assert_eq!(numbers.start, end);
+            end = numbers.end;
+            let mut p = vec![Vec3::ZERO; numbers.len()];
+            let mut n = p.clone();
+            surface.fill_part(&part, &mut p, Some(&mut n));
+            assert_eq!(p, positions[numbers.clone()], "{part:?}");
+            assert_eq!(n, normals[numbers], "{part:?}");
+        }
+        assert_eq!(end, positions.len());
+        for face in fine.base().faces() {
+            let numbers = fine.patch_numbers(face);
+            let at = |all: &[Vec3]| numbers.iter().map(|&i| all[i as usize]).collect::<Vec<_>>();
+            assert_eq!(surface.patch(face), (at(&positions), at(&normals)), "{face}");
+        }
+    }
 }
 
 /// Single precision is double precision rounded; positions alone are the same as with normals.

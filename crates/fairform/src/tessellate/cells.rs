@@ -134,9 +134,10 @@ fn is_small(topology: &Topology, rules: &Rules, first: HalfedgeId) -> bool {
 /// faces around it a disc. Zeros for other faces.
 fn keys(topology: &Topology, rules: &Rules) -> Vec<[u32; 4]> {
     let sharp = rules.sharpness(topology);
-    let plain_vertex = rules.creases.as_ref().map(|_| {
-        par::collect(topology.vertex_count(), |v| is_plain(sharp, VertexId(v as u32)))
-    });
+    let plain_vertex = rules
+        .creases
+        .as_ref()
+        .map(|_| par::collect(topology.vertex_count(), |v| is_plain(sharp, VertexId(v as u32))));
     let is_plain = |v: VertexId| match &plain_vertex {
         Some(plain) => plain[v.index()],
         None => !topology.is_boundary(v),

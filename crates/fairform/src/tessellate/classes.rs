@@ -51,22 +51,34 @@ impl Classes {
     /// to have one.
     pub(super) fn plain(&mut self, valences: &[u32], task: Task<'_>) -> Result<Option<u32>, Error> {
         let key: Vec<u32> = valences.to_vec();
-        self.find(key, |_| {
-            let (faces, vertex_count) = disc(valences);
-            let rules = Rules { tension: None, creases: None, ..task.rules.clone() };
-            Ok((Topology::from_faces(vertex_count, &faces)?, rules, vertex_count))
-        }, task)
+        self.find(
+            key,
+            |_| {
+                let (faces, vertex_count) = disc(valences);
+                let rules = Rules { tension: None, creases: None, ..task.rules.clone() };
+                Ok((Topology::from_faces(vertex_count, &faces)?, rules, vertex_count))
+            },
+            task,
+        )
     }
 
     /// The class of any face, by its neighbourhood.
-    pub(super) fn of(&mut self, found: Neighbourhood, task: Task<'_>) -> Result<Option<u32>, Error> {
+    pub(super) fn of(
+        &mut self,
+        found: Neighbourhood,
+        task: Task<'_>,
+    ) -> Result<Option<u32>, Error> {
         if found.value_count > MOST_SOURCES {
             return Ok(None);
         }
-        self.find(found.key(), |rules| {
-            let local = found.into_local(rules);
-            Ok((local.topology, local.rules, local.value_count))
-        }, task)
+        self.find(
+            found.key(),
+            |rules| {
+                let local = found.into_local(rules);
+                Ok((local.topology, local.rules, local.value_count))
+            },
+            task,
+        )
     }
 
     fn find(
@@ -115,7 +127,11 @@ impl Class {
         for first in (0..source_count).step_by(3) {
             let count = (source_count - first).min(3);
             let mut values = alloc::vec![Vec3::ZERO; vertex_count];
-            for (i, unit) in [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)].into_iter().take(count).enumerate() {
+            for (i, unit) in [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
+                .into_iter()
+                .take(count)
+                .enumerate()
+            {
                 values[first + i] = Vec3::new(unit.0, unit.1, unit.2);
             }
             let values = steps.apply(&values);
@@ -140,8 +156,7 @@ impl Class {
     fn finish(&mut self, used: u32, grid: &Grid) {
         let points = core::mem::take(&mut self.points);
         let corners = points[..grid.corners].iter();
-        self.corners =
-            corners.map(|p| Form::new(core::iter::once(p), self.source_count)).collect();
+        self.corners = corners.map(|p| Form::new(core::iter::once(p), self.source_count)).collect();
         let make = |sides: usize, inner: &[PointRows]| {
             let of_side = |i| &points[grid.first_of_side(i)..][..grid.side];
             let on_sides = (0..grid.corners).filter(|i| sides >> i & 1 > 0).flat_map(of_side);

@@ -32,7 +32,10 @@ pub(super) struct Grid {
 impl Grid {
     pub(super) fn new(corners: usize, levels: u32) -> Self {
         let n = 1_usize << levels;
-        let (side, inner) = (n - 1, if corners == 3 { (n - 1) * n.saturating_sub(2) / 2 } else { (n - 1) * (n - 1) });
+        let (side, inner) = (
+            n - 1,
+            if corners == 3 { (n - 1) * n.saturating_sub(2) / 2 } else { (n - 1) * (n - 1) },
+        );
         let mut grid = Self { corners, levels, side, inner, faces: Vec::new() };
         let mut faces = Vec::with_capacity(corners * grid.face_count());
         for v in 0..n {

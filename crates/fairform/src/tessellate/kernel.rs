@@ -71,15 +71,13 @@ impl Form {
         for row in rows.iter_mut().filter(|row| row.len() < row_count + LANES) {
             row.resize(row_count + LANES, 0.0);
         }
+        let most = self.point_count.max(pairs);
+        for normal in normals.iter_mut().filter(|normal| normal.len() < most) {
+            normal.resize(most, 0.0);
+        }
         product(&self.weights, sources, rows, row_count.div_ceil(LANES));
-        if !with_normals {
-            return;
-        }
-        for normal in normals.iter_mut().filter(|normal| normal.len() < self.point_count.max(pairs)) {
-            normal.resize(self.point_count.max(pairs), 0.0);
-        }
         one_sided(rows, self.point_count, pairs, normals);
-        if let Some(sides) = &self.sides {
+        if let Some(sides) = self.sides.as_ref().filter(|_| with_normals) {
             self.add_sides(sides, normals);
         }
     }
@@ -128,7 +126,8 @@ fn triples([x, y, z]: &[Vec<f64>; 3], count: usize) -> impl Iterator<Item = Vec3
 #[inline(always)]
 fn product(weights: &[f64], sources: &[[f64; 3]], [x, y, z]: &mut [Vec<f64>; 3], blocks: usize) {
     let size = LANES * sources.len();
-    let (x, y, z) = (x.as_chunks_mut::<LANES>().0, y.as_chunks_mut::<LANES>().0, z.as_chunks_mut::<LANES>().0);
+    let (x, y, z) =
+        (x.as_chunks_mut::<LANES>().0, y.as_chunks_mut::<LANES>().0, z.as_chunks_mut::<LANES>().0);
     let out = x.iter_mut().zip(y).zip(z);
     for (block, ((x, y), z)) in weights.chunks_exact(size.max(1)).take(blocks).zip(out) {
         let mut sum = [[0.0; LANES]; 3];
