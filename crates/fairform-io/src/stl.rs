@@ -174,7 +174,8 @@ fn read_triangles(triangles: &[[u8; TRIANGLE]]) -> (Part<[f32; 3]>, usize) {
     let mut attributes = 0;
     for triangle in triangles {
         let words = triangle.as_chunks::<4>().0;
-        let point = |at: usize| [words[at], words[at + 1], words[at + 2]].map(f32::from_le_bytes);
+        let number = |at: usize| f32::from_le_bytes(words[at]);
+        let point = |at: usize| [number(at), number(at + 1), number(at + 2)];
         part.push([point(3), point(6), point(9)]);
         attributes += usize::from(triangle[48..] != [0, 0]);
     }
@@ -343,9 +344,10 @@ fn write_binary(data: &MeshData, triangles: &[[u32; 3]], out: &mut dyn Write) ->
         for &triangle in &triangles[rows] {
             let ([a, b, c], normal) = corners_of(data, triangle);
             let mut record = [0; TRIANGLE];
-            let numbers = [normal, a, b, c].into_iter().flat_map(<[f64; 3]>::from);
-            for (bytes, x) in record.as_chunks_mut::<4>().0.iter_mut().zip(numbers) {
-                *bytes = (x as f32).to_le_bytes();
+            for (bytes, v) in record.as_chunks_mut::<12>().0.iter_mut().zip([normal, a, b, c]) {
+                bytes[..4].copy_from_slice(&(v.x as f32).to_le_bytes());
+                bytes[4..8].copy_from_slice(&(v.y as f32).to_le_bytes());
+                bytes[8..].copy_from_slice(&(v.z as f32).to_le_bytes());
             }
             out.extend_from_slice(&record);
         }
