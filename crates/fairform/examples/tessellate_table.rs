@@ -6,7 +6,7 @@
 use std::time::Instant;
 
 use fairform::tessellate::{Points, Tessellation};
-use fairform::{Mesh, Rules, Scheme, Vec3, refine, shapes};
+use fairform::{Mesh, Rules, Scheme, Vec3, limit, refine, shapes};
 
 /// Fewest runs of anything; the best counts.
 const RUNS: usize = 4;
@@ -30,7 +30,9 @@ fn main() {
     let (levels, most) = (number(1, 3) as u32, number(2, 2));
     // A built-in mesh by its name, or a file.
     let meshes = match std::env::args().nth(3) {
-        Some(path) if path.ends_with(".off") => vec![("file", Scheme::Loop, read(&path))],
+        Some(path) if std::path::Path::new(&path).exists() => {
+            vec![("file", Scheme::Loop, read(&path))]
+        }
         name => {
             let is_wanted = |s: &Subject| name.as_ref().is_none_or(|n| s.0 == n);
             subjects().into_iter().filter(is_wanted).collect()
@@ -38,9 +40,9 @@ fn main() {
     };
     println!("ns per fine vertex, best of {RUNS}\n");
     println!(
-        "| Mesh | Threads | Classes | Prepare | Base | Faces | f64 p+n new | again | p again | f32 p+n new | again | All new | Write new | Write again |"
+        "| Mesh | Threads | Classes | Prepare | Base | Faces | f64 p+n new | again | p again | f32 p+n new | again | All new | Step by step | Write new | Write again |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     for (name, scheme, mesh) in meshes {
         for threads in 1..=most {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
@@ -76,6 +78,9 @@ fn row(name: &str, scheme: Scheme, mesh: &Mesh, levels: u32, threads: usize) {
         let all = fine.surface(mesh.positions()).expect("has a limit").points_and_normals();
         (all, fine.faces())
     });
+    let start = Instant::now();
+    std::hint::black_box(stepped(mesh, &rules, levels));
+    let stepped = start.elapsed().as_secs_f64();
     let (write_new, mut memory) = best(|| written(count));
     let (write_again, ()) = best(|| write(&mut memory));
     let ns = |seconds: f64| format!("{:.1}", 1e9 * seconds / count as f64);
@@ -94,6 +99,15 @@ fn row(name: &str, scheme: Scheme, mesh: &Mesh, levels: u32, threads: usize) {
     ]
     .map(ns);
     println!("| {name} {scheme} | {threads} | {} | {} |", fine.class_count(), cells.join(" | "));
+}
+
+/// The same, one level after the other.
+fn stepped(mesh: &Mesh, rules: &Rules, levels: u32) -> (Mesh, Vec<Vec3>, Vec<Vec3>) {
+    let (mesh, rules) = refine::refine_mesh(mesh, rules, levels).expect("fits");
+    let (topology, points) = (mesh.topology(), mesh.positions());
+    let positions = limit::limit_points(topology, points, &rules).expect("has a limit");
+    let normals = limit::limit_normals(topology, points, &rules).expect("has a limit");
+    (mesh, positions, normals)
 }
 
 /// Positions and normals of nothing.

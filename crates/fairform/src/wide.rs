@@ -18,14 +18,14 @@ pub(crate) fn run<R>(f: impl FnOnce() -> R) -> R {
 
 /// The square root, which compilers know how to take of many numbers at once.
 #[cfg(feature = "simd")]
-#[inline(always)]
+#[inline]
 pub(crate) fn sqrt(x: f64) -> f64 {
     extern crate std;
     f64::sqrt(x)
 }
 
 #[cfg(not(feature = "simd"))]
-#[inline(always)]
+#[inline]
 pub(crate) fn sqrt(x: f64) -> f64 {
     libm::sqrt(x)
 }

@@ -72,12 +72,12 @@ fn descend(
         return;
     }
     let k = at.len();
-    let mid = |i: usize, j: usize| [0, 1].map(|c| (at[i % k][c] + at[j % k][c]) / 2);
+    let mid = |i: usize, j: usize| [0, 1].map(|c| i32::midpoint(at[i % k][c], at[j % k][c]));
     for i in 0..4 {
         let child = match (k, i) {
             (3, 3) => vec![mid(0, 1), mid(1, 2), mid(2, 0)],
-            (3, _) => vec![at[i], mid(i, i + 1), mid(i + 2, i)],
-            _ => vec![at[i], mid(i, i + 1), mid(0, 2), mid(i + 3, i)],
+            (3, _) => vec![at[i % k], mid(i, i + 1), mid(i + 2, i)],
+            _ => vec![at[i % k], mid(i, i + 1), mid(0, 2), mid(i + 3, i)],
         };
         descend(finest, 4 * face + i, levels - 1, &child, out);
     }
@@ -122,7 +122,9 @@ fn check(mesh: &Mesh, rules: &Rules, first: u32, levels: u32, name: &str) -> usi
             let [a, b] = tangents[v].map(Vec3::normalized);
             let sine = a.cross(b).length();
             let off = (normals[i] - expected_normals[v]).length();
-            assert!(off * sine <= 1e-12, "{name} {points:?} normal {i} is {off:e} off");
+            // The normals of both sides of a crease may nearly cancel.
+            let tolerance = if rules.creases.is_some() { 1e-9 } else { 1e-12 };
+            assert!(off * sine <= tolerance, "{name} {points:?} normal {i} is {off:e} off");
         }
         // Vertices stay what they are.
         assert!(map[..mesh.topology().vertex_count()].iter().zip(0..).all(|(&v, i)| v == i));

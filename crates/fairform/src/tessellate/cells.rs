@@ -45,7 +45,7 @@ impl Cells {
                     class
                 })
             } else {
-                count = source_count(key, task.grid.corners);
+                count = source_count(*key, task.grid.corners);
                 finder.plain(*key)?
             };
             if let Some(found) = found {
@@ -94,17 +94,18 @@ struct Finder<'a> {
     topology: &'a Topology,
     task: Task<'a>,
     classes: Classes,
-    recent: Vec<([u32; 4], Option<u32>)>,
+    recent: Vec<([u8; 4], Option<u32>)>,
 }
 
 impl Finder<'_> {
-    fn plain(&mut self, key: [u32; 4]) -> Result<Option<u32>, Error> {
+    fn plain(&mut self, key: [u8; 4]) -> Result<Option<u32>, Error> {
         let place = key.iter().fold(0, |sum, &n| 5 * sum + n as usize) % RECENT;
         let (recent, class) = self.recent[place];
         if recent == key {
             return Ok(class);
         }
-        let class = self.classes.plain(&key[..self.task.grid.corners], self.task)?;
+        let valences = key.map(u32::from);
+        let class = self.classes.plain(&valences[..self.task.grid.corners], self.task)?;
         self.recent[place] = (key, class);
         Ok(class)
     }
@@ -132,7 +133,7 @@ fn is_small(topology: &Topology, rules: &Rules, first: HalfedgeId) -> bool {
 
 /// The valences of the corners of each face that is plain: all of them inside, nothing sharp, and the
 /// faces around it a disc. Zeros for other faces.
-fn keys(topology: &Topology, rules: &Rules) -> Vec<[u32; 4]> {
+fn keys(topology: &Topology, rules: &Rules) -> Vec<[u8; 4]> {
     let sharp = rules.sharpness(topology);
     let plain_vertex = rules
         .creases
@@ -144,19 +145,20 @@ fn keys(topology: &Topology, rules: &Rules) -> Vec<[u32; 4]> {
     };
     par::collect(topology.face_count(), |f| {
         let corners = topology.face_vertices(FaceId(f as u32));
-        let mut key = [0; 4];
         if !corners.iter().all(|&v| is_plain(v)) {
-            return key;
+            return [0; 4];
         }
-        for (n, &v) in key.iter_mut().zip(corners) {
-            *n = topology.fan_size(v);
+        let valences = || corners.iter().map(|&v| topology.fan_size(v));
+        let (k, threes) = (corners.len(), valences().filter(|n| *n == 3).count());
+        let is_disc = valences().all(|n| n >= 3)
+            && (k == 4 || (threes <= 1 && valences().sum::<u32>() >= 12));
+        if !is_disc || valences().any(|n| n as usize > MOST_SOURCES) {
+            return [0; 4];
         }
-        let k = corners.len();
-        let valences = &key[..k];
-        let threes = valences.iter().filter(|n| **n == 3).count();
-        let is_disc = valences.iter().all(|n| *n >= 3)
-            && (k == 4 || (threes <= 1 && valences.iter().sum::<u32>() >= 12));
-        if is_disc && source_count(&key, k) <= MOST_SOURCES { key } else { [0; 4] }
+        let mut key = [0; 4];
+        // No valence is too large, since no more sources are allowed.
+        key.iter_mut().zip(valences()).for_each(|(slot, n)| *slot = n as u8);
+        if source_count(key, k) <= MOST_SOURCES { key } else { [0; 4] }
     })
 }
 
@@ -167,7 +169,7 @@ fn is_plain(sharp: Sharpness<'_>, v: VertexId) -> bool {
 }
 
 /// How many vertices there are on and around a plain face.
-fn source_count(key: &[u32; 4], corners: usize) -> usize {
+fn source_count(key: [u8; 4], corners: usize) -> usize {
     let sum = key[..corners].iter().map(|&n| n as usize).sum::<usize>();
     if corners == 3 { sum - 6 } else { 2 * sum - 16 }
 }
@@ -203,7 +205,7 @@ fn sources(
 }
 
 /// The half-edge that follows counter-clockwise around its origin, inside.
-#[inline(always)]
+#[inline]
 fn turned(topology: &Topology, h: HalfedgeId) -> HalfedgeId {
     topology.twin(topology.prev(h)).unwrap_or(h)
 }

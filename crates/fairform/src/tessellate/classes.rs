@@ -47,7 +47,7 @@ pub(super) struct Task<'a> {
 
 impl Classes {
     /// The class of a face with inner corners of such valences and nothing sharp; its sources are the
-    /// corners and then those around them, as [`around`](super::cells) tells. `None` if it is not
+    /// corners and then those around them, in the order of [`sources`](super::cells). `None` if it is not
     /// to have one.
     pub(super) fn plain(&mut self, valences: &[u32], task: Task<'_>) -> Result<Option<u32>, Error> {
         let key: Vec<u32> = valences.to_vec();
@@ -156,11 +156,12 @@ impl Class {
     fn finish(&mut self, used: u32, grid: &Grid) {
         let points = core::mem::take(&mut self.points);
         let corners = points[..grid.corners].iter();
-        self.corners = corners.map(|p| Form::new(core::iter::once(p), self.source_count)).collect();
+        self.corners =
+            corners.map(|p| Form::new(&core::iter::once(p), self.source_count)).collect();
         let make = |sides: usize, inner: &[PointRows]| {
             let of_side = |i| &points[grid.first_of_side(i)..][..grid.side];
             let on_sides = (0..grid.corners).filter(|i| sides >> i & 1 > 0).flat_map(of_side);
-            Form::new(on_sides.chain(inner), self.source_count)
+            Form::new(&on_sides.chain(inner), self.source_count)
         };
         let all = 0..1 << grid.corners;
         let is_used = |&sides: &usize| used >> sides & 1 > 0;

@@ -136,8 +136,8 @@ impl Grid {
             // The children as the steps number them.
             let child = match (k, i) {
                 (3, 3) => alloc::vec![middle(0, 1), middle(1, 2), middle(2, 0)],
-                (3, _) => alloc::vec![corners[i], middle(i, i + 1), middle(i + 2, i)],
-                _ => alloc::vec![corners[i], middle(i, i + 1), middle(0, 2), middle(i + 3, i)],
+                (3, _) => alloc::vec![corners[i % k], middle(i, i + 1), middle(i + 2, i)],
+                _ => alloc::vec![corners[i % k], middle(i, i + 1), middle(0, 2), middle(i + 3, i)],
             };
             self.visit(finest, 4 * face + i, levels - 1, &child, vertices);
         }

@@ -37,7 +37,7 @@ pub(super) struct PointRows {
 
 impl Form {
     pub(super) fn new<'a>(
-        points: impl Iterator<Item = &'a PointRows> + Clone,
+        points: &(impl Iterator<Item = &'a PointRows> + Clone),
         source_count: usize,
     ) -> Self {
         let pairs = || points.clone().flat_map(|p| &p.sides);
