@@ -7,8 +7,6 @@ use fairform::{Faces, Vec3};
 use crate::crease::CreaseList;
 use crate::error::{Error, ParseError, Place};
 use crate::par;
-use crate::stl::are_single;
-use crate::text::ROWS;
 
 /// What a mesh file holds. Every corner is a vertex of the mesh; nothing else is promised about
 /// the faces and coordinates: `Topology::from_faces` names what is wrong, repair mends it.
@@ -99,11 +97,6 @@ impl MeshData {
             }
         }
         Ok(())
-    }
-
-    /// Whether no coordinate of a position changes when it is rounded to 32 bits.
-    pub(crate) fn positions_are_single(&self) -> bool {
-        !par::map(self.positions.chunks(ROWS), are_single).contains(&false)
     }
 }
 

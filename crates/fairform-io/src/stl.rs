@@ -276,13 +276,19 @@ pub(crate) fn encode(
     out: &mut dyn Write,
 ) -> Result<Vec<String>, Error> {
     let triangles = Triangles::new(&data.positions, &data.faces);
-    let shape = Shape { unused: unused(data), ..Shape::of(data) };
+    let used = used(data);
+    let unused = used.iter().filter(|used| !**used).count();
+    let shape = Shape { unused, ..Shape::of(data) };
     if options.ascii {
         write_text(data, options, &triangles, out)?;
     } else {
         write_binary(data, &triangles.corners, out)?;
     }
-    let rounded = !options.ascii && !data.positions_are_single();
+    let blocks = data.positions.chunks(ROWS).zip(used.chunks(ROWS));
+    let rounded = par::map(blocks, |(positions, used)| {
+        positions.iter().zip(used).any(|(p, used)| *used && !are_single(&[*p]))
+    });
+    let rounded = !options.ascii && rounded.contains(&true);
     Ok(notes(&shape, options, rounded, [triangles.cut, triangles.dropped]))
 }
 
@@ -367,11 +373,11 @@ pub(crate) fn are_single(positions: &[Vec3]) -> bool {
     positions.iter().all(|p| exact(p.x) && exact(p.y) && exact(p.z))
 }
 
-/// Number of vertices of no face.
-fn unused(data: &MeshData) -> usize {
+/// Whether each vertex belongs to a face.
+fn used(data: &MeshData) -> Vec<bool> {
     let mut used = vec![false; data.positions.len()];
     data.faces.corners().iter().for_each(|v| used[*v as usize] = true);
-    used.iter().filter(|used| !**used).count()
+    used
 }
 
 fn corners_of(positions: &[Vec3], triangle: [u32; 3]) -> ([Vec3; 3], Vec3) {

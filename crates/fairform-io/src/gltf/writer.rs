@@ -63,8 +63,8 @@ pub(crate) fn encode(
     let bad = (0..).step_by(ROWS).zip(blocks).find_map(|(start, v)| Some(start + v?));
     refuse(bad)?;
     let shape = Shape::of(data);
-    let mut notes: Vec<String> =
-        (!data.positions_are_single()).then(rounding_note).into_iter().collect();
+    let single = par::map(data.positions.chunks(ROWS), are_single);
+    let mut notes: Vec<String> = single.contains(&false).then(rounding_note).into_iter().collect();
     let (mut document, mut parts) = (empty_document(), Vec::new());
     if !data.positions.is_empty() {
         let bounds =
