@@ -15,6 +15,9 @@ use crate::{Faces, Topology, Vec3, limit};
 /// Most classes. Meshes have some tens; the faces of others are refined step by step.
 const MOST_CLASSES: usize = 1024;
 
+/// Most weights of classes with [large](Grid::is_large) grids: 128 MiB.
+const MOST_WEIGHTS: usize = 1 << 24;
+
 /// Most values that a class may depend on: products with larger matrices are no gain.
 pub(super) const MOST_SOURCES: usize = 96;
 
@@ -34,6 +37,8 @@ pub(super) struct Class {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Classes {
     pub(super) list: Vec<Class>,
+    /// How many weights of large grids there are.
+    weight_count: usize,
     known: BTreeMap<Vec<u32>, Option<u32>>,
 }
 
@@ -94,6 +99,12 @@ impl Classes {
             return Ok(None);
         }
         let (topology, rules, source_count) = local(task.rules)?;
+        if task.grid.is_large() {
+            self.weight_count += 3 * source_count * task.grid.point_count();
+            if self.weight_count > MOST_WEIGHTS {
+                return Ok(None);
+            }
+        }
         let class = self.list.len() as u32;
         self.list.push(Class::new(topology, rules, source_count, task)?);
         self.known.insert(key, Some(class));
@@ -171,7 +182,8 @@ impl Class {
         };
         self.sides = all.clone().map(|s| or_empty(s, &[], is_used(&s))).collect();
         // Without sides too, for when those are asked for alone.
-        self.whole = all.map(|s| or_empty(s, inner, s == 0 || is_used(&s))).collect();
+        let is_whole = |s: usize| s == 0 || is_used(&s) && !grid.is_large();
+        self.whole = all.map(|s| or_empty(s, inner, is_whole(s))).collect();
     }
 }
 

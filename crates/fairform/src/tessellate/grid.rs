@@ -12,6 +12,7 @@
 
 use alloc::vec::Vec;
 
+use super::MOST_AT_ONCE;
 use crate::Topology;
 use crate::ids::FaceId;
 
@@ -56,6 +57,11 @@ impl Grid {
         grid
     }
 
+    /// Whether the rows of a class take so much memory that none are stored twice.
+    pub(super) fn is_large(&self) -> bool {
+        self.levels > MOST_AT_ONCE
+    }
+
     pub(super) fn segments(&self) -> usize {
         self.side + 1
     }
@@ -78,7 +84,7 @@ impl Grid {
     }
 
     /// The number of the point with such coordinates.
-    fn number(&self, u: usize, v: usize) -> usize {
+    pub(super) fn number(&self, u: usize, v: usize) -> usize {
         let n = self.segments();
         let on_side = |i: usize, t: usize| if t == 0 { i } else { self.first_of_side(i) + t - 1 };
         if self.corners == 3 {
