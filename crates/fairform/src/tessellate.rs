@@ -358,11 +358,10 @@ impl Tessellation {
         Ok(Surface::new(self, points, rest))
     }
 
-    /// The edges whose points are those of some faces of the base: edges are numbered by their first
-    /// faces.
+    /// How many edges begin with faces before this one: edges are numbered by their first faces.
     fn edges_before(&self, face: usize) -> usize {
-        let base = self.base();
-        let first = base.face_halfedges(FaceId(0)).len() * face;
+        let (base, corners) = (self.base(), self.plan.as_ref().map_or(0, |p| p.grid.corners));
+        let first = corners * face;
         let (mut low, mut high) = (0, base.edge_count());
         while low < high {
             let middle = usize::midpoint(low, high);

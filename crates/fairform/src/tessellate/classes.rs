@@ -15,8 +15,10 @@ use crate::{Faces, Topology, Vec3, limit};
 /// Most classes. Meshes have some tens; the faces of others are refined step by step.
 const MOST_CLASSES: usize = 1024;
 
-/// Most weights of classes with [large](Grid::is_large) grids: 128 MiB.
-const MOST_WEIGHTS: usize = 1 << 24;
+/// Most weights of all classes together, so that memory is bounded whatever turns up.
+const MOST_WEIGHTS: usize = 1 << 21;
+/// The same with [large](Grid::is_large) grids: 128 MiB.
+const MOST_LARGE_WEIGHTS: usize = 1 << 24;
 
 /// Most values that a class may depend on: products with larger matrices are no gain.
 pub(super) const MOST_SOURCES: usize = 96;
@@ -37,9 +39,8 @@ pub(super) struct Class {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Classes {
     pub(super) list: Vec<Class>,
-    /// How many weights of large grids there are.
+    known: BTreeMap<Vec<u32>, u32>,
     weight_count: usize,
-    known: BTreeMap<Vec<u32>, Option<u32>>,
 }
 
 /// How many steps are made at once, and whether to the limit.
@@ -93,21 +94,17 @@ impl Classes {
         task: Task<'_>,
     ) -> Result<Option<u32>, Error> {
         if let Some(&class) = self.known.get(&key) {
-            return Ok(class);
+            return Ok(Some(class));
         }
-        if self.list.len() == MOST_CLASSES {
+        let most = if task.grid.is_large() { MOST_LARGE_WEIGHTS } else { MOST_WEIGHTS };
+        if self.list.len() == MOST_CLASSES || self.weight_count >= most {
             return Ok(None);
         }
         let (topology, rules, source_count) = local(task.rules)?;
-        if task.grid.is_large() {
-            self.weight_count += 3 * source_count * task.grid.point_count();
-            if self.weight_count > MOST_WEIGHTS {
-                return Ok(None);
-            }
-        }
         let class = self.list.len() as u32;
         self.list.push(Class::new(topology, rules, source_count, task)?);
-        self.known.insert(key, Some(class));
+        self.known.insert(key, class);
+        self.weight_count += 3 * source_count * task.grid.point_count();
         Ok(Some(class))
     }
 
