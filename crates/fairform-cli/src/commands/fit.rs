@@ -19,7 +19,7 @@ use crate::failure::Failure;
 use crate::input::{self, Source};
 use crate::rules;
 use crate::steps;
-use crate::surface::{Surface, check_memory};
+use crate::surface::{Finish, Surface, check_memory};
 
 /// The sample that is fitted when there is no input.
 const SAMPLE: &[u8] = include_bytes!("../../../../data/sample/spot.obj");
@@ -45,7 +45,12 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
     let mut target = Surface::new(data, &source)?;
     clock.lap("read");
     rules::set(args.scheme.scheme, &args.rules, &mut target, console)?;
-    check_memory(&target, args.levels, &source)?;
+    let finish = match args.limit || args.output.is_none() {
+        true => Finish::Limit,
+        false if target.normals.is_some() => Finish::LimitNormals,
+        false => Finish::Control,
+    };
+    check_memory(&target, args.levels, target.stored(args.levels, finish), &source)?;
     target.warn_of_losses(args.levels, console);
     target.warn_of_no_faces(&source, console);
     warn_of_seams(&target.mesh, &source, console);
@@ -65,25 +70,27 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
         progress.say(format!("{stage}: {} updates, {what} {:.2e}", step.updates, step.max));
         ControlFlow::Continue(())
     };
-    let had_normals = target.normals.is_some();
     let Fitted { control, level, report, singular } =
         fitted(&target, &interpolator, &options, &mut observe, &progress).map_err(at)?;
     clock.lap("solve");
 
-    let mut surface = control.refine(args.levels.saturating_sub(level), &progress).map_err(at)?;
-    if args.limit || args.output.is_none() {
-        surface.move_to_limit().map_err(at)?;
-    } else if had_normals {
-        surface.limit_normals().map_err(at)?;
-    }
+    let levels = args.levels.saturating_sub(level);
+    let is_control = levels == 0 && finish != Finish::Limit;
+    let data = if is_control {
+        let mut control = control.clone();
+        if finish == Finish::LimitNormals {
+            control.limit_normals().map_err(at)?;
+        }
+        control.into_control()
+    } else {
+        control.refined(levels, finish, &progress, None).map_err(at)?
+    };
     clock.lap("refine");
 
     progress.say("writing");
     if let Some(path) = &args.control {
         input::write(path, &args.writing, &control.into_control(), console)?;
     }
-    let is_control = args.levels <= level && !args.limit && args.output.is_some();
-    let data = if is_control { surface.into_control() } else { surface.into_surface() };
     input::write(&output, &args.writing, &data, console)?;
     if args.output.is_none() {
         let picture = picture(&target.mesh, &data)?;
