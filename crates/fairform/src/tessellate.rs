@@ -333,6 +333,24 @@ impl Tessellation {
         numbers
     }
 
+    /// The faces that a face of the base is cut into, in the points of
+    /// [`patch_numbers`](Self::patch_numbers).
+    ///
+    /// # Panics
+    /// If there is no such face.
+    #[must_use]
+    pub fn patch_faces(&self, face: FaceId) -> Faces {
+        match &self.plan {
+            Some(plan) => {
+                let corners = plan.grid.faces.iter().map(|&point| u32::from(point)).collect();
+                Faces::uniform(plan.grid.corners as u32, corners)
+            }
+            None => core::iter::once(self.patch_numbers(face))
+                .map(|all| (0..all.len() as u32).collect::<Vec<_>>())
+                .collect(),
+        }
+    }
+
     /// The surface of certain control points.
     ///
     /// # Errors

@@ -303,6 +303,7 @@ fn patches_and_parts_make_the_whole() {
         let fine = Tessellation::new(mesh.topology(), &rules, levels, Points::Limit).unwrap();
         let surface = fine.surface(mesh.positions()).unwrap();
         let (positions, normals) = surface.points_and_normals();
+        let faces = fine.faces();
         let mut end = 0;
         for part in fine.parts() {
             let numbers = fine.numbers_of(&part);
@@ -319,6 +320,11 @@ fn patches_and_parts_make_the_whole() {
             let numbers = fine.patch_numbers(face);
             let at = |all: &[Vec3]| numbers.iter().map(|&i| all[i as usize]).collect::<Vec<_>>();
             assert_eq!(surface.patch(face), (at(&positions), at(&normals)), "{face}");
+            let size = fine.face_count() / fine.base().face_count();
+            for (i, own) in fine.patch_faces(face).iter().enumerate() {
+                let own: Vec<u32> = own.iter().map(|&p| numbers[p as usize]).collect();
+                assert_eq!(own, faces.get(FaceId((face.index() * size + i) as u32)));
+            }
         }
     }
 }
