@@ -19,7 +19,7 @@ use crate::failure::Failure;
 use crate::input::{self, Source};
 use crate::rules;
 use crate::steps;
-use crate::surface::{Finish, Surface, check_memory};
+use crate::surface::{Fine, Finish, Stored, Surface, check_memory};
 
 /// The sample that is fitted when there is no input.
 const SAMPLE: &[u8] = include_bytes!("../../../../data/sample/spot.obj");
@@ -50,7 +50,15 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
         false if target.normals.is_some() => Finish::LimitNormals,
         false => Finish::Control,
     };
-    check_memory(&target, args.levels, target.stored(args.levels, finish), &source)?;
+    // The sample's surface is drawn too.
+    let streams = |surface: &Surface, levels| {
+        args.output.is_some() && surface.can_stream(levels, finish, &output, &args.writing)
+    };
+    let stored = match streams(&target, args.levels) {
+        true => Stored::Base,
+        false => target.stored(args.levels, finish),
+    };
+    check_memory(&target, args.levels, stored, &source)?;
     target.warn_of_losses(args.levels, console);
     target.warn_of_no_faces(&source, console);
     warn_of_seams(&target.mesh, &source, console);
@@ -75,41 +83,64 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
     clock.lap("solve");
 
     let levels = args.levels.saturating_sub(level);
-    let is_control = levels == 0 && finish != Finish::Limit;
-    let data = if is_control {
-        let mut control = control.clone();
-        if finish == Finish::LimitNormals {
-            control.limit_normals().map_err(at)?;
+    let tessellation = match streams(&control, levels) {
+        true => Some(control.tessellation(levels, finish).map_err(at)?),
+        false => None,
+    };
+    let made = match &tessellation {
+        Some(tessellation) => {
+            Made::Meanwhile(Fine::new(&control, tessellation, finish, &progress).map_err(at)?)
         }
-        control.into_control()
-    } else {
-        control.refined(levels, finish, &progress, None).map_err(at)?
+        None if levels == 0 && finish != Finish::Limit => {
+            let mut control = control.clone();
+            if finish == Finish::LimitNormals {
+                control.limit_normals().map_err(at)?;
+            }
+            Made::Whole(control.into_control())
+        }
+        None => Made::Whole(control.refined(levels, finish, &progress, None).map_err(at)?),
     };
     clock.lap("refine");
 
     progress.say("writing");
     if let Some(path) = &args.control {
-        input::write(path, &args.writing, &control.into_control(), console)?;
+        input::write(path, &args.writing, &control.clone().into_control(), console)?;
     }
-    input::write(&output, &args.writing, &data, console)?;
-    if args.output.is_none() {
-        let picture = picture(&target.mesh, &data)?;
-        input::save(Path::new(SAMPLE_PICTURE), &picture)?;
-    }
+    let counts = match &made {
+        Made::Meanwhile(fine) => {
+            input::write_blocks(&output, &args.writing, fine, console)?;
+            (fine.vertex_count(), fine.face_count())
+        }
+        Made::Whole(data) => {
+            input::write(&output, &args.writing, data, console)?;
+            if args.output.is_none() {
+                let picture = picture(&target.mesh, data)?;
+                input::save(Path::new(SAMPLE_PICTURE), &picture)?;
+            }
+            (data.positions.len(), data.faces.len())
+        }
+    };
     clock.lap("write");
     drop(progress);
 
-    let summary = summary(args, &options, &target.rules, &topology, &data, &report, &clock);
+    let summary = summary(args, &options, &target.rules, &topology, counts, &report, &clock);
     if let Some(path) = &args.report {
         input::save(path, format!("{summary:#}\n").as_bytes())?;
     }
     if let Some(path) = &args.plot {
         input::save(path, plot(&report, &options, &target.rules).as_bytes())?;
     }
-    tell(args, &output, &data, &report, &clock, console);
+    tell(args, &output, counts, &report, &clock, console);
     tell_of_level(args, level, singular, &report, console);
     console.result(&summary)?;
     Ok(if report.is_converged() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// The surface that is written.
+enum Made<'a> {
+    Whole(MeshData),
+    /// While it is written.
+    Meanwhile(Fine<'a>),
 }
 
 /// A control surface, and how it was found.
@@ -207,7 +238,7 @@ fn outcome(outcome: Outcome) -> &'static str {
 fn tell(
     args: &Fit,
     output: &Path,
-    data: &MeshData,
+    (vertices, faces): (usize, usize),
     report: &FitReport,
     clock: &Clock,
     console: &Console,
@@ -229,7 +260,7 @@ fn tell(
         console.detail(format!("{phase}: {seconds:.3} s"));
     }
     if !input::is_dash(output) {
-        let (vertices, faces) = (count(data.positions.len()), count(data.faces.len()));
+        let (vertices, faces) = (count(vertices), count(faces));
         console.note(format!("{}: {vertices} vertices, {faces} faces", output.display()));
     }
     if args.output.is_none() {
@@ -283,7 +314,7 @@ fn summary(
     options: &Options,
     rules: &Rules,
     topology: &Topology,
-    data: &MeshData,
+    (vertices, faces): (usize, usize),
     report: &FitReport,
     clock: &Clock,
 ) -> Value {
@@ -337,7 +368,7 @@ fn summary(
                 "boundary_loops": topology.boundary_loops().len(),
                 "isolated_vertices": topology.isolated_count(),
             },
-            "output": { "vertices": data.positions.len(), "faces": data.faces.len() },
+            "output": { "vertices": vertices, "faces": faces },
         },
         "seconds": clock.laps.iter().map(|&(phase, s)| (phase.to_string(), json!(s)))
             .collect::<serde_json::Map<_, _>>(),

@@ -19,8 +19,7 @@ pub(crate) fn run(args: &Refine, console: &Console) -> Result<ExitCode, Failure>
     rules::set(args.scheme.scheme, &args.rules, &mut surface, console)?;
     surface.warn_of_no_faces(&source, console);
     let finish = if args.limit { Finish::Limit } else { Finish::Control };
-    let streams = surface.goes_at_once(args.levels, finish)
-        && input::can_stream(&args.output, &args.writing, &surface.fine_shape(finish));
+    let streams = surface.can_stream(args.levels, finish, &args.output, &args.writing);
     let stored = if streams { Stored::Base } else { surface.stored(args.levels, finish) };
     check_memory(&surface, args.levels, stored, &source)?;
     let at = |e| surface.failure(&source, &e);

@@ -119,20 +119,6 @@ impl Tessellation {
         }
         out
     }
-
-    /// The faces that a face of the base is cut into, in points of its
-    /// [patch](super::Surface::patch), one behind the other, in the order of
-    /// [`fill_faces`](Self::fill_faces).
-    ///
-    /// # Panics
-    /// If there is no such face.
-    #[must_use]
-    pub fn patch_corners(&self, face: FaceId) -> Vec<u32> {
-        match &self.plan {
-            Some(plan) => plan.grid.faces.iter().map(|&point| point.into()).collect(),
-            None => (0..self.base().face_vertices(face).len() as u32).collect(),
-        }
-    }
 }
 
 impl Plan {
