@@ -16,7 +16,8 @@ pub(crate) trait Point: Copy {
 impl Point for Vec3 {
     fn bits(self) -> [u64; 3] {
         // Adding 0 turns −0 into 0.
-        [self.x, self.y, self.z].map(|c| (c + 0.0).to_bits())
+        let bits = |c: f64| (c + 0.0).to_bits();
+        [bits(self.x), bits(self.y), bits(self.z)]
     }
 
     fn position(self) -> Vec3 {
@@ -26,7 +27,8 @@ impl Point for Vec3 {
 
 impl Point for [f32; 3] {
     fn bits(self) -> [u64; 3] {
-        self.map(|c| u64::from((c + 0.0).to_bits()))
+        let bits = |c: f32| u64::from((c + 0.0).to_bits());
+        [bits(self[0]), bits(self[1]), bits(self[2])]
     }
 
     fn position(self) -> Vec3 {
