@@ -445,11 +445,13 @@ mod tests {
             hidden.shown = Some([true, false, true, true, false].into());
             all.push((hidden, finish));
         }
-        let tube = shapes::tube(3, 5);
-        let creases = fairform::Creases::by_angle(tube.topology(), tube.positions(), 20.0, 1.5);
-        let creases = Some(creases.unwrap().into());
-        let creased = Rules { creases, border: Border::Bspline, ..Rules::LOOP };
-        all.push((surface(&tube, creased, true), Finish::Control));
+        let mut creased = surface(&shapes::tube(3, 5), Rules::LOOP, true);
+        let (topology, positions) = (creased.mesh.topology(), creased.mesh.positions());
+        let creases = fairform::Creases::by_angle(topology, positions, 20.0, 1.5).unwrap();
+        assert!(!creases.is_smooth());
+        creased.rules =
+            Rules { creases: Some(creases.into()), border: Border::Bspline, ..Rules::LOOP };
+        all.push((creased, Finish::Control));
         all
     }
 
