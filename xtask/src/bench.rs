@@ -41,6 +41,14 @@ pub(crate) const PEERS: Bench = Bench {
     page: "docs/performance-peers.md",
 };
 
+pub(crate) const FILES: Bench = Bench {
+    title: "How fast files are read and written",
+    example: "io_table",
+    package: &["--package", "fairform-io"],
+    command: "cargo xtask bench io --write",
+    page: "docs/performance-io.md",
+};
+
 impl Bench {
     fn cargo(&self, what: &str) -> Command {
         let mut command = cargo(&[what, "--release", "--quiet", "--example", self.example]);

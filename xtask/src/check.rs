@@ -14,10 +14,11 @@ pub(crate) fn run() -> Result {
         &mut cargo(&["clippy", "--workspace", "--all-targets", "--", "--deny", "warnings"]),
     )?;
     step(
-        "lints of the kernel without threads",
+        "lints of the kernel and the files without threads",
         &mut cargo(&[
             "clippy",
             "--package=fairform",
+            "--package=fairform-io",
             "--no-default-features",
             "--",
             "--deny",

@@ -23,6 +23,7 @@ cargo xtask bench streamlines [--write]
 cargo xtask bench peers [--write] [MESH...]
                                     the same work by other libraries, those that are installed, see
                                     benches/peers; docs/performance-peers.md
+cargo xtask bench io [--write]      the same of every file format; docs/performance-io.md
 cargo xtask fuzz [SECONDS] [TARGET] every fuzz target, or one, for so long each [30]
 cargo xtask guide                   the pictures of the guide, anew
 cargo xtask help                    this";
@@ -38,6 +39,8 @@ fn main() -> ExitCode {
         ["bench", "streamlines"] => bench::run(&bench::STREAMLINES, &[], false),
         ["bench", "streamlines", "--write"] => bench::run(&bench::STREAMLINES, &[], true),
         ["bench", "peers", rest @ ..] => bench::run_peers(rest),
+        ["bench", "io"] => bench::run(&bench::FILES, &[], false),
+        ["bench", "io", "--write"] => bench::run(&bench::FILES, &[], true),
         ["fuzz", rest @ ..] => fuzz::run(rest),
         ["guide"] => guide::run(),
         [] | ["help" | "--help" | "-h"] => {

@@ -18,6 +18,10 @@ pub(crate) fn run() -> Result {
         &mut tests(&["--package", "fairform", "--no-default-features"]),
     )?;
     step(
+        "tests of the files without threads",
+        &mut tests(&["--package", "fairform-io", "--no-default-features", "--features", "files"]),
+    )?;
+    step(
         "tests of the direct solve",
         &mut tests(&[
             "--package",

@@ -1,13 +1,14 @@
 //! Sharp edges and vertices: the tags of OpenSubdiv's OBJ shapes, and JSON as in USD.
 
-use std::io::Write;
+use std::io::{self, Write};
 
 use fairform::topology::Topology;
 use fairform::{Creases, EdgeId, NONE, VertexId};
 use serde::Deserialize;
 
-use crate::error::{Error, ParseError, Place};
-use crate::text::NumberWriter;
+use crate::error::{ParseError, Place};
+use crate::par;
+use crate::text::{NumberWriter, ROWS};
 
 /// What a file says about a subdivision surface besides its mesh: sharp edges and vertices by number,
 /// holes, the boundary.
@@ -234,29 +235,36 @@ impl CreaseList {
     }
 
     /// Writes the tags of an OBJ file.
-    pub(crate) fn write_tags(
-        &self,
-        numbers: &mut NumberWriter,
-        out: &mut dyn Write,
-    ) -> Result<(), Error> {
-        for &([a, b], sharpness) in &self.edges {
-            write!(out, "t crease 2/1/0 {a} {b}")?;
-            numbers.write_all(out, &[sharpness])?;
-            out.write_all(b"\n")?;
-        }
-        for &(v, sharpness) in &self.vertices {
-            write!(out, "t corner 1/1/0 {v}")?;
-            numbers.write_all(out, &[sharpness])?;
-            out.write_all(b"\n")?;
-        }
+    pub(crate) fn write_tags(&self, single: bool, out: &mut dyn Write) -> io::Result<()> {
+        par::write_rows(out, self.edges.len(), ROWS, |rows, out| {
+            let mut numbers = NumberWriter::new(single);
+            for &(ends, sharpness) in &self.edges[rows] {
+                out.extend_from_slice(b"t crease 2/1/0");
+                for end in ends {
+                    out.push(b' ');
+                    numbers.whole(out, end.into());
+                }
+                numbers.write_all(out, &[sharpness]);
+                out.push(b'\n');
+            }
+        })?;
+        par::write_rows(out, self.vertices.len(), ROWS, |rows, out| {
+            let mut numbers = NumberWriter::new(single);
+            for &(v, sharpness) in &self.vertices[rows] {
+                out.extend_from_slice(b"t corner 1/1/0 ");
+                numbers.whole(out, v.into());
+                numbers.write_all(out, &[sharpness]);
+                out.push(b'\n');
+            }
+        })?;
         for face in &self.holes {
             writeln!(out, "t hole 1/0/0 {face}")?;
         }
         if let Some(boundary) = self.boundary {
             let number = match boundary {
                 InterpolateBoundary::None => 0,
-                InterpolateBoundary::EdgeAndCorner => 1,
                 InterpolateBoundary::EdgeOnly => 2,
+                InterpolateBoundary::EdgeAndCorner => 1,
             };
             writeln!(out, "t interpolateboundary 1/0/0 {number}")?;
         }

@@ -9,7 +9,7 @@ use flate2::{Compression, GzBuilder};
 
 use crate::data::{MeshData, WriteOptions};
 use crate::error::Error;
-use crate::{Format, encode, gltf, gzip, parse};
+use crate::{Format, encode, gltf, gzip, par, parse};
 
 /// The most bytes of a file that are read: 16 GiB. An endless pipe ends there.
 const MAX_INPUT: u64 = 16 << 30;
@@ -59,14 +59,43 @@ fn read_bytes(path: &Path) -> io::Result<Vec<u8>> {
         io::stdin().lock().take(MAX_INPUT + 1).read_to_end(&mut bytes)?;
     } else {
         let file = File::open(path)?;
-        let size = file.metadata()?.len();
-        bytes.reserve_exact(usize::try_from(size.min(MAX_INPUT)).unwrap_or(0));
-        file.take(MAX_INPUT + 1).read_to_end(&mut bytes)?;
+        let size = usize::try_from(file.metadata()?.len().min(MAX_INPUT)).unwrap_or(0);
+        bytes = read_at_once(&file, size)?;
+        bytes.reserve_exact(size.saturating_sub(bytes.len()));
+        file.take(MAX_INPUT + 1 - bytes.len() as u64).read_to_end(&mut bytes)?;
     }
     if bytes.len() as u64 > MAX_INPUT {
         return Err(io::Error::new(io::ErrorKind::FileTooLarge, "more than 16 GiB"));
     }
     Ok(bytes)
+}
+
+/// Reads the first `size` bytes of a large file on all threads, and goes behind them. Empty where
+/// the file is small or no such thing, for the caller to read from its beginning.
+#[cfg(unix)]
+fn read_at_once(mut file: &File, size: usize) -> io::Result<Vec<u8>> {
+    use std::io::{Seek, SeekFrom};
+    use std::os::unix::fs::FileExt;
+    const BLOCK: usize = 1 << 22;
+    if size <= BLOCK || par::threads() == 1 {
+        return Ok(Vec::new());
+    }
+    // Zeros from the system: its pages are found by the thread that fills them.
+    let mut bytes = vec![0; size];
+    let read = par::map(bytes.chunks_mut(BLOCK).enumerate(), |(i, block)| {
+        file.read_exact_at(block, (i * BLOCK) as u64)
+    });
+    // A file that was cut meanwhile is read as it is now.
+    let whole = read.into_iter().all(|read| read.is_ok());
+    if whole {
+        file.seek(SeekFrom::Start(size as u64))?;
+    }
+    Ok(if whole { bytes } else { Vec::new() })
+}
+
+#[cfg(not(unix))]
+fn read_at_once(_: &File, _: usize) -> io::Result<Vec<u8>> {
+    Ok(Vec::new())
 }
 
 /// Reads a buffer of a glTF file: a file in its folder or below, also after links are followed.

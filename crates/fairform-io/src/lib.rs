@@ -9,6 +9,10 @@
 //! A count in a header is compared with the bytes that are left before anything is allocated for
 //! it, so that the memory a reader takes is bounded by a multiple of the size of its input.
 //!
+//! With the feature `parallel` long files are read in parts and written in blocks of rows on all
+//! threads of the current rayon pool. The mesh, its notes, the error and the bytes are the same with
+//! any number of threads and without the feature.
+//!
 //! ```
 //! use fairform_io::{Format, WriteOptions, encode, parse};
 //!
@@ -33,6 +37,7 @@ mod gltf;
 mod gzip;
 mod obj;
 mod off;
+mod par;
 mod ply;
 mod stl;
 pub mod streamline;

@@ -9,22 +9,36 @@
 
 use std::collections::HashMap;
 use std::io::Write;
+use std::mem::take;
+use std::ops::Range;
 
-use fairform::{NONE, Vec3};
+use fairform::{Faces, NONE, Vec3};
 
 use crate::crease::CreaseList;
-use crate::data::{LabelBuilder, MeshData, WriteOptions, push_face, scale_large_colours};
+use crate::data::{LabelBuilder, MeshData, WriteOptions, scale_large_colours, too_many_corners};
 use crate::error::{Error, ParseError, Place};
 use crate::format::left_out;
-use crate::text::{NumberWriter, Scanner, counted, quoted, text_of, trim};
+use crate::par;
+use crate::text::{NumberWriter, ROWS, Scanner, counted, quoted};
 
 /// The mesh in an OBJ file.
 pub(crate) fn parse(bytes: &[u8]) -> Result<MeshData, ParseError> {
-    let mut reader = Reader::new(Scanner::new(bytes)?);
-    while !reader.text.is_at_end() {
-        reader.statement()?;
+    parse_in_parts(bytes, par::part_count(bytes.len()))
+}
+
+/// Reads a file in parts that end with a statement. A file with a fault is read again as a whole,
+/// so that its errors and notes are those of one reader that sees all before.
+fn parse_in_parts(bytes: &[u8], part_count: usize) -> Result<MeshData, ParseError> {
+    let text = Scanner::new(bytes)?;
+    let parts = text.parts(part_count, true);
+    if parts.len() > 1 {
+        let parts = par::map(parts, |part| Reader::new(part, true).statements());
+        let joined = parts.into_iter().collect::<Result<_, _>>().ok().and_then(Reader::joined);
+        if let Some(data) = joined.and_then(|reader| Reader { text, ..reader }.finish().ok()) {
+            return Ok(data);
+        }
     }
-    reader.finish()
+    Reader::new(text, false).statements()?.finish()
 }
 
 /// Statements of the format that do not describe polygons.
@@ -72,13 +86,58 @@ const FREE_FORM: [&[u8]; 37] = [
 #[derive(Default)]
 struct Indices {
     /// Those beyond the values read so far, each larger than all before, with their offset: the
-    /// first that stays out of range is among them.
+    /// first that stays out of range is among them. Not kept in a part of a file.
     ahead: Vec<(u32, usize)>,
+    /// In a part of a file: what is known once the parts before are.
+    part: Option<PartIndices>,
+}
+
+/// Indices of a part of a file, which does not know how many values stand before it.
+#[derive(Default)]
+struct PartIndices {
+    /// One more than the largest that counts from the first value of the file.
+    end: usize,
+    /// How many values before the part are needed by those that count backwards.
+    reach: usize,
+    /// Corners whose indices count from the first value of the part, modulo 2³².
+    relative: Vec<Range<usize>>,
+}
+
+impl PartIndices {
+    fn resolve(&mut self, number: i64, count: usize, corner: usize) -> Option<u32> {
+        if number > 0 {
+            let index = u32::try_from(number - 1).ok().filter(|index| *index < NONE)?;
+            self.end = self.end.max(index as usize + 1);
+            return Some(index);
+        }
+        let index = number.checked_add(i64::try_from(count).ok()?).filter(|_| number < 0)?;
+        let reach = u32::try_from(index.min(0).unsigned_abs()).ok()?;
+        self.reach = self.reach.max(reach as usize);
+        match self.relative.last_mut() {
+            Some(last) if last.end == corner => last.end += 1,
+            _ => self.relative.push(corner..corner + 1),
+        }
+        Some(index as u32)
+    }
+
+    /// Makes indices count from the first value of the file, if so many before the part are enough.
+    fn shift(&self, values: &mut [u32], before: usize) -> Option<()> {
+        for corners in &self.relative {
+            for value in &mut values[corners.clone()] {
+                *value = value.wrapping_add(before as u32);
+            }
+        }
+        (self.reach <= before).then_some(())
+    }
 }
 
 impl Indices {
-    /// The index from 0 that a number at an offset of the file stands for, if there is such.
-    fn resolve(&mut self, at: usize, number: i64, count: usize) -> Option<u32> {
+    /// The index from 0 that a number at an offset of the file, of a corner, stands for, if there is
+    /// such.
+    fn resolve(&mut self, (at, corner): (usize, usize), number: i64, count: usize) -> Option<u32> {
+        if let Some(part) = &mut self.part {
+            return part.resolve(number, count, corner);
+        }
         let index = match number {
             0 => return None,
             1.. => number - 1,
@@ -132,10 +191,11 @@ struct Reader<'a> {
     /// The first corners that name a value which is not there.
     missing_uv: Option<ParseError>,
     missing_normal: Option<ParseError>,
-    /// The corners of the face being read.
-    face: Vec<u32>,
-    groups: LabelBuilder,
-    materials: LabelBuilder,
+    /// The vertices of all faces, and where each face begins.
+    corners: Vec<u32>,
+    start: Vec<u32>,
+    /// Statements that name what follows, in order.
+    named: Vec<Named>,
     weights: usize,
     extra_numbers: usize,
     points_and_lines: usize,
@@ -146,6 +206,58 @@ struct Reader<'a> {
     understood: usize,
     unknown: usize,
     first_unknown: Option<(usize, &'a [u8])>,
+}
+
+/// How many values were read.
+#[derive(Clone, Copy, Default)]
+struct Counts {
+    vertices: usize,
+    uvs: usize,
+    normals: usize,
+    faces: usize,
+    corners: usize,
+}
+
+impl Counts {
+    fn add(&mut self, other: Self) {
+        self.vertices += other.vertices;
+        self.uvs += other.uvs;
+        self.normals += other.normals;
+        self.faces += other.faces;
+        self.corners += other.corners;
+    }
+}
+
+/// A slice of each part.
+fn each<'p, 'a, T>(parts: &'p [Reader<'a>], f: impl Fn(&'p Reader<'a>) -> &'p [T]) -> Vec<&'p [T]> {
+    parts.iter().map(f).collect()
+}
+
+/// A statement whose name is wanted only when all faces are read.
+struct Named {
+    keyword: Keyword,
+    /// Faces before it.
+    face: usize,
+    /// Where it begins, and where its name does.
+    at: usize,
+    name_at: usize,
+}
+
+#[derive(Clone, Copy)]
+enum Keyword {
+    Group,
+    Object,
+    Material,
+    Library,
+    Tag,
+}
+
+/// What the named statements say.
+#[derive(Default)]
+struct Names {
+    groups: LabelBuilder,
+    materials: LabelBuilder,
+    library: Option<String>,
     creases: CreaseList,
     /// Names of tags that mean nothing here, each once.
     other_tags: Vec<String>,
@@ -153,24 +265,72 @@ struct Reader<'a> {
     bad_tag: Option<ParseError>,
 }
 
+impl Names {
+    /// Takes the statements in order. `name` reads the name at an offset.
+    fn new(statements: &[Named], text: &Scanner<'_>, face_count: usize) -> Self {
+        let mut names = Self::default();
+        for statement in statements {
+            let name = Scanner { at: statement.name_at, ..*text }.statement_name();
+            match statement.keyword {
+                Keyword::Group | Keyword::Object => {
+                    names.groups.fill(statement.face);
+                    let plain = matches!(statement.keyword, Keyword::Group) && name.is_empty();
+                    names.groups.set(if plain { "default".into() } else { name });
+                }
+                Keyword::Material => {
+                    names.materials.fill(statement.face);
+                    names.materials.set(name);
+                }
+                Keyword::Library => {
+                    let library = names.library.get_or_insert_default();
+                    if !library.is_empty() {
+                        library.push('\n');
+                    }
+                    library.push_str(&name);
+                }
+                Keyword::Tag => names.tag(&name, || text.line_of(statement.at)),
+            }
+        }
+        if !statements.is_empty() {
+            names.groups.fill(face_count);
+            names.materials.fill(face_count);
+        }
+        names
+    }
+
+    /// A tag for a subdivision surface. The mesh is whole without one that is not understood.
+    fn tag(&mut self, text: &str, line: impl Fn() -> u64) {
+        match self.creases.add_tag(text, Place::File) {
+            Ok(Some(other)) if self.other_tags.iter().any(|name| name == other) => {}
+            Ok(Some(other)) => self.other_tags.push(other.into()),
+            Err(error) if self.bad_tag.is_none() => {
+                self.bad_tag = Some(ParseError { place: Place::Line(line()), ..error });
+            }
+            Ok(None) | Err(_) => {}
+        }
+    }
+}
+
 impl<'a> Reader<'a> {
-    fn new(text: Scanner<'a>) -> Self {
+    /// A reader of a file, or of a part of one.
+    fn new(text: Scanner<'a>, is_part: bool) -> Self {
+        let indices = || Indices { part: is_part.then(PartIndices::default), ..Indices::default() };
         Self {
             text,
             data: MeshData::default(),
             colours: Vec::new(),
             uvs: Vec::new(),
             normals: Vec::new(),
-            vertex_indices: Indices::default(),
-            uv_indices: Indices::default(),
-            normal_indices: Indices::default(),
+            vertex_indices: indices(),
+            uv_indices: indices(),
+            normal_indices: indices(),
             corner_uv: Vec::new(),
             corner_normal: Vec::new(),
             missing_uv: None,
             missing_normal: None,
-            face: Vec::new(),
-            groups: LabelBuilder::default(),
-            materials: LabelBuilder::default(),
+            corners: Vec::new(),
+            start: vec![0],
+            named: Vec::new(),
             weights: 0,
             extra_numbers: 0,
             points_and_lines: 0,
@@ -181,10 +341,99 @@ impl<'a> Reader<'a> {
             understood: 0,
             unknown: 0,
             first_unknown: None,
-            creases: CreaseList::default(),
-            other_tags: Vec::new(),
-            bad_tag: None,
         }
+    }
+
+    /// Reads all statements.
+    fn statements(mut self) -> Result<Self, ParseError> {
+        while !self.text.is_at_end() {
+            self.statement()?;
+        }
+        Ok(self)
+    }
+
+    fn counts(&self) -> Counts {
+        Counts {
+            vertices: self.data.positions.len(),
+            uvs: self.uvs.len(),
+            normals: self.normals.len(),
+            faces: self.start.len() - 1,
+            corners: self.corners.len(),
+        }
+    }
+
+    /// The reader of all parts of a file, if it is as if it had read them one after the other.
+    fn joined(mut parts: Vec<Self>) -> Option<Self> {
+        let mut all = Counts::default();
+        let mut before = Vec::with_capacity(parts.len());
+        for part in &parts {
+            before.push(all);
+            all.add(part.counts());
+        }
+        if all.corners > u32::MAX as usize {
+            return None;
+        }
+        let with_uvs = parts.iter().any(|part| !part.corner_uv.is_empty());
+        let with_normals = parts.iter().any(|part| !part.corner_normal.is_empty());
+        par::map(parts.iter_mut().zip(before), |(part, before)| {
+            for (corners, wanted) in
+                [(&mut part.corner_uv, with_uvs), (&mut part.corner_normal, with_normals)]
+            {
+                corners.resize(if wanted { part.corners.len() } else { 0 }, NONE);
+            }
+            part.shift(before, all)
+        })
+        .into_iter()
+        .collect::<Option<()>>()?;
+
+        let mut whole = Self::new(parts[0].text, false);
+        whole.data.positions = par::concat(&each(&parts, |part| &part.data.positions));
+        whole.uvs = par::concat(&each(&parts, |part| &part.uvs));
+        whole.normals = par::concat(&each(&parts, |part| &part.normals));
+        whole.corners = par::concat(&each(&parts, |part| &part.corners));
+        whole.corner_uv = par::concat(&each(&parts, |part| &part.corner_uv));
+        whole.corner_normal = par::concat(&each(&parts, |part| &part.corner_normal));
+        // The end of one part is the beginning of the next.
+        let mut starts = each(&parts, |part| &part.start[1..]);
+        starts.insert(0, &[0]);
+        whole.start = par::concat(&starts);
+        let mut vertices = 0;
+        for part in parts {
+            if !part.colours.is_empty() {
+                whole.colours.resize(vertices, WHITE);
+                whole.colours.extend(part.colours);
+            }
+            vertices += part.data.positions.len();
+            whole.named.extend(part.named);
+            whole.weights += part.weights;
+            whole.extra_numbers += part.extra_numbers;
+            whole.points_and_lines += part.points_and_lines;
+            whole.smoothing += part.smoothing;
+            whole.free_form += part.free_form;
+            whole.has_object |= part.has_object;
+            whole.has_group |= part.has_group;
+            whole.understood += part.understood;
+            whole.unknown += part.unknown;
+            whole.first_unknown = whole.first_unknown.or(part.first_unknown);
+        }
+        Some(whole)
+    }
+
+    /// Makes all that counts from the beginning of a part count from the beginning of the file, if
+    /// every index is one of a value.
+    fn shift(&mut self, before: Counts, all: Counts) -> Option<()> {
+        for (indices, values, before, all) in [
+            (&self.vertex_indices, &mut self.corners, before.vertices, all.vertices),
+            (&self.uv_indices, &mut self.corner_uv, before.uvs, all.uvs),
+            (&self.normal_indices, &mut self.corner_normal, before.normals, all.normals),
+        ] {
+            let part = indices.part.as_ref()?;
+            part.shift(values, before)?;
+            (part.end <= all).then_some(())?;
+        }
+        self.start.iter_mut().for_each(|start| *start += before.corners as u32);
+        self.named.iter_mut().for_each(|named| named.face += before.faces);
+        (self.missing_uv.is_none() && self.missing_normal.is_none()).then_some(())
     }
 
     /// Reads one statement, or a comment or an empty line, up to the next line.
@@ -203,42 +452,27 @@ impl<'a> Reader<'a> {
             b"vt" => return self.uv(),
             b"vn" => return self.normal(),
             b"g" => {
-                let name = self.name();
                 self.has_group = true;
-                self.groups.fill(self.data.faces.len());
-                self.groups.set(if name.is_empty() { "default".into() } else { name });
+                self.named(Keyword::Group, at);
             }
             b"o" => {
-                let name = self.name();
                 self.has_object = true;
-                self.groups.fill(self.data.faces.len());
-                self.groups.set(name);
+                self.named(Keyword::Object, at);
             }
-            b"usemtl" => {
-                let name = self.name();
-                self.materials.fill(self.data.faces.len());
-                self.materials.set(name);
-            }
-            b"mtllib" => {
-                let name = self.name();
-                let library = self.data.material_library.get_or_insert_default();
-                if !library.is_empty() {
-                    library.push('\n');
-                }
-                library.push_str(&name);
-            }
+            b"usemtl" => self.named(Keyword::Material, at),
+            b"mtllib" => self.named(Keyword::Library, at),
+            b"t" => self.named(Keyword::Tag, at),
             b"s" => {
-                let on = !matches!(self.name().as_str(), "off" | "0" | "");
+                let on = !matches!(self.text.statement_name().as_str(), "off" | "0" | "");
                 self.smoothing += usize::from(on);
             }
             b"p" | b"l" => {
                 self.points_and_lines += 1;
-                self.skip_statement();
+                self.text.skip_statement();
             }
-            b"t" => self.tag(at),
             _ if FREE_FORM.contains(&keyword) => {
                 self.free_form += 1;
-                self.skip_statement();
+                self.text.skip_statement();
             }
             _ if keyword.contains(&0) => {
                 let message = format!("found {}; a NUL byte is no text", quoted(keyword));
@@ -248,55 +482,17 @@ impl<'a> Reader<'a> {
                 self.understood -= 1;
                 self.unknown += 1;
                 self.first_unknown.get_or_insert((at, keyword));
-                self.skip_statement();
+                self.text.skip_statement();
             }
         }
         Ok(())
     }
 
-    /// Skips to the next line that does not continue this one.
-    fn skip_statement(&mut self) {
-        loop {
-            let end = self.text.line_end();
-            let continued = end > self.text.at && self.text.bytes[end - 1] == b'\\';
-            self.text.skip_line();
-            if !continued || self.text.is_at_end() {
-                return;
-            }
-        }
-    }
-
-    /// The rest of the statement up to a comment, as a name.
-    fn name(&mut self) -> String {
-        self.text.skip_blanks();
-        let from = self.text.at;
-        self.skip_statement();
-        let rest = &self.text.bytes[from..self.text.at];
-        let end = (0..rest.len())
-            .find(|&i| rest[i] == b'#' && (i == 0 || rest[i - 1].is_ascii_whitespace()));
-        let rest = trim(&rest[..end.unwrap_or(rest.len())]);
-        if !rest.iter().any(|b| matches!(b, b'\n' | b'\r')) {
-            return text_of(rest);
-        }
-        let joined: Vec<_> = text_of(rest)
-            .split(['\n', '\r'])
-            .map(|line| line.strip_suffix('\\').unwrap_or(line).trim().to_string())
-            .collect();
-        joined.join(" ").trim().to_string()
-    }
-
-    /// A tag for a subdivision surface. The mesh is whole without one that is not understood.
-    fn tag(&mut self, at: usize) {
-        let text = self.name();
-        match self.creases.add_tag(&text, Place::File) {
-            Ok(Some(other)) if self.other_tags.iter().any(|name| name == other) => {}
-            Ok(Some(other)) => self.other_tags.push(other.into()),
-            Err(error) if self.bad_tag.is_none() => {
-                self.bad_tag =
-                    Some(ParseError { place: Place::Line(self.text.line_of(at)), ..error });
-            }
-            Ok(None) | Err(_) => {}
-        }
+    /// Keeps where a statement is whose name is read later.
+    fn named(&mut self, keyword: Keyword, at: usize) {
+        let (face, name_at) = (self.start.len() - 1, self.text.at);
+        self.named.push(Named { keyword, face, at, name_at });
+        self.text.skip_statement();
     }
 
     /// Numbers up to the end of the statement: their count, and the first ones.
@@ -366,38 +562,32 @@ impl<'a> Reader<'a> {
 
     fn polygon(&mut self) -> Result<(), ParseError> {
         let start = self.text.at;
-        self.face.clear();
-        let corners_before = self.data.faces.corners().len();
         loop {
             self.text.skip_blanks_and_continuations();
             if self.text.is_at_line_end() {
                 self.text.skip_line();
                 break;
             }
-            self.corner(corners_before + self.face.len())?;
+            self.corner()?;
         }
-        let end = corners_before + self.face.len();
+        let end = self.corners.len();
         for corners in [&mut self.corner_uv, &mut self.corner_normal] {
             if !corners.is_empty() {
                 corners.resize(end, NONE);
             }
         }
-        let faces_before = self.data.faces.len();
-        if self.data.faces.corners().len() + self.face.len() > u32::MAX as usize {
-            let place = Place::Line(self.text.line_of(start));
-            return push_face(&mut self.data.faces, &self.face, place);
-        }
-        self.data.faces.push(&self.face);
-        if self.has_object || self.has_group {
-            self.groups.fill(faces_before + 1);
-        }
+        let Ok(end) = u32::try_from(end) else {
+            return Err(too_many_corners(Place::Line(self.text.line_of(start))));
+        };
+        self.start.push(end);
         Ok(())
     }
 
     /// Reads one corner: `v`, `v/vt`, `v//vn` or `v/vt/vn`, with nothing behind a slash allowed.
-    fn corner(&mut self, corner: usize) -> Result<(), ParseError> {
+    fn corner(&mut self) -> Result<(), ParseError> {
         const FORM: &str = "a corner v, v/vt, v//vn or v/vt/vn of whole numbers";
         let at = self.text.at;
+        let corner = self.corners.len();
         let wrong = |text: &Scanner<'_>| Scanner { at, ..*text }.unexpected(FORM);
         let index = |text: &mut Scanner<'_>| text.digits(FORM).map_err(|_| wrong(text));
         let ends = |text: &Scanner<'_>| {
@@ -406,10 +596,10 @@ impl<'a> Reader<'a> {
 
         let number = index(&mut self.text)?;
         let count = self.data.positions.len();
-        let Some(vertex) = self.vertex_indices.resolve(at, number, count) else {
+        let Some(vertex) = self.vertex_indices.resolve((at, corner), number, count) else {
             return Err(missing(&self.text, at, number, count, "vertex"));
         };
-        self.face.push(vertex);
+        self.corners.push(vertex);
         if ends(&self.text) {
             return Ok(());
         }
@@ -420,7 +610,7 @@ impl<'a> Reader<'a> {
         if self.text.peek() != Some(b'/') && !ends(&self.text) {
             let number = index(&mut self.text)?;
             let count = self.uvs.len();
-            let uv = self.uv_indices.resolve(at, number, count).unwrap_or_else(|| {
+            let uv = self.uv_indices.resolve((at, corner), number, count).unwrap_or_else(|| {
                 let error = || missing(&self.text, at, number, count, "vt");
                 self.missing_uv.get_or_insert_with(error);
                 NONE
@@ -433,11 +623,12 @@ impl<'a> Reader<'a> {
             if !ends(&self.text) {
                 let number = index(&mut self.text)?;
                 let count = self.normals.len();
-                let normal = self.normal_indices.resolve(at, number, count).unwrap_or_else(|| {
-                    let error = || missing(&self.text, at, number, count, "vn");
-                    self.missing_normal.get_or_insert_with(error);
-                    NONE
-                });
+                let normal =
+                    self.normal_indices.resolve((at, corner), number, count).unwrap_or_else(|| {
+                        let error = || missing(&self.text, at, number, count, "vn");
+                        self.missing_normal.get_or_insert_with(error);
+                        NONE
+                    });
                 self.corner_normal.resize(corner, NONE);
                 self.corner_normal.push(normal);
             }
@@ -462,33 +653,31 @@ impl<'a> Reader<'a> {
             self.corner_normal.iter_mut().filter(|i| **i >= normals).for_each(|i| *i = NONE);
             self.missing_normal.get_or_insert(e);
         }
-        let missing = [self.missing_uv.take(), self.missing_normal.take(), self.bad_tag.take()];
+        let names = Names::new(&self.named, &self.text, self.start.len() - 1);
+        self.data.faces = Faces::from_starts(take(&mut self.start), take(&mut self.corners));
+        let missing = [self.missing_uv.take(), self.missing_normal.take(), names.bad_tag];
         self.data.notes.extend(missing.into_iter().flatten().map(|e| format!("passed over {e}")));
-        self.note_what_was_left_out();
+        self.note_what_was_left_out(&names.other_tags);
         self.finish_colours();
         self.finish_uvs();
         self.finish_normals();
-        let faces = self.data.faces.len();
-        if self.has_object || self.has_group {
-            self.groups.fill(faces);
+        if !names.creases.is_empty() || names.creases.boundary.is_some() {
+            self.data.creases = Some(names.creases);
         }
-        if !self.creases.is_empty() || self.creases.boundary.is_some() {
-            self.data.creases = Some(std::mem::take(&mut self.creases));
-        }
-        self.data.groups = self.groups.finish();
-        self.materials.fill(faces);
-        self.data.materials = self.materials.finish();
+        self.data.groups = names.groups.finish();
+        self.data.materials = names.materials.finish();
+        self.data.material_library = names.library;
         Ok(self.data)
     }
 
-    fn note_what_was_left_out(&mut self) {
+    fn note_what_was_left_out(&mut self, other_tags: &[String]) {
         let notes = &mut self.data.notes;
         if let Some((at, word)) = self.first_unknown {
             let (n, line) = (counted(self.unknown, "unknown statement"), self.text.line_of(at));
             notes.push(format!("{n} skipped, the first at line {line}: {}", quoted(word)));
         }
-        if !self.other_tags.is_empty() {
-            notes.push(format!("tags left out: {}", self.other_tags.join(", ")));
+        if !other_tags.is_empty() {
+            notes.push(format!("tags left out: {}", other_tags.join(", ")));
         }
         if self.free_form > 0 {
             notes.push(format!("{} skipped", counted(self.free_form, "free-form statement")));
@@ -523,7 +712,7 @@ impl<'a> Reader<'a> {
         }
         self.colours.resize(vertices, WHITE);
         scale_large_colours(&mut self.colours, &mut self.data.notes);
-        self.data.colours = Some(std::mem::take(&mut self.colours));
+        self.data.colours = Some(take(&mut self.colours));
     }
 
     fn finish_uvs(&mut self) {
@@ -532,7 +721,7 @@ impl<'a> Reader<'a> {
             return;
         }
         if self.uvs.len() == vertices && is_identity(&self.corner_uv, corners) {
-            self.data.uvs = Some(std::mem::take(&mut self.uvs));
+            self.data.uvs = Some(take(&mut self.uvs));
             return;
         }
         if self.corner_uv.is_empty() {
@@ -561,7 +750,7 @@ impl<'a> Reader<'a> {
             return;
         }
         if self.normals.len() == vertices && is_identity(&self.corner_normal, corners) {
-            self.data.normals = Some(std::mem::take(&mut self.normals));
+            self.data.normals = Some(take(&mut self.normals));
             return;
         }
         let notes = &mut self.data.notes;
@@ -617,25 +806,22 @@ pub(crate) fn encode(
     options: &WriteOptions,
     out: &mut dyn Write,
 ) -> Result<Vec<String>, Error> {
-    let mut numbers = NumberWriter::new(options.single_precision);
+    let single = options.single_precision;
     out.write_all(b"# fairform\n")?;
     for library in data.material_library.iter().flat_map(|l| l.lines()) {
         writeln!(out, "mtllib {}", statement_name(library))?;
     }
     let opaque = data.colours.iter().flatten().all(|c| c[3].to_bits() == 1.0_f64.to_bits());
-    for (i, p) in data.positions.iter().enumerate() {
-        out.write_all(b"v")?;
-        numbers.write_all(out, &[p.x, p.y, p.z])?;
-        if let Some(colours) = &data.colours {
-            numbers.write_all(out, &colours[i][..if opaque { 3 } else { 4 }])?;
-        }
-        out.write_all(b"\n")?;
-    }
-    let uv_of_corner = write_uvs(data, &mut numbers, out)?;
-    let normal_of_corner = write_normals(data, &mut numbers, out)?;
-    write_faces(data, uv_of_corner.as_deref(), normal_of_corner.as_deref(), out)?;
+    par::write_rows(out, data.positions.len(), ROWS, |rows, out| {
+        vertex_rows(data, single, opaque, rows, out);
+    })?;
+    let uv_of_corner = write_uvs(data, single, out)?;
+    let normal_of_corner = write_normals(data, single, out)?;
+    par::write_rows(out, data.faces.len(), ROWS, |rows, out| {
+        face_rows(data, uv_of_corner.as_deref(), normal_of_corner.as_deref(), rows, out);
+    })?;
     if let Some(creases) = &data.creases {
-        creases.write_tags(&mut numbers, out)?;
+        creases.write_tags(single, out)?;
     }
     let both = data.uvs.is_some() && data.corner_uvs.is_some();
     let mut notes = left_out(&[(both, "uvs per vertex beside those per corner")], "OBJ");
@@ -645,32 +831,64 @@ pub(crate) fn encode(
     Ok(notes)
 }
 
+/// Appends the `v` statements of some vertices.
+fn vertex_rows(data: &MeshData, single: bool, opaque: bool, rows: Range<usize>, out: &mut Vec<u8>) {
+    let mut numbers = NumberWriter::new(single);
+    for i in rows {
+        out.push(b'v');
+        numbers.write_all(out, &<[f64; 3]>::from(data.positions[i]));
+        if let Some(colours) = &data.colours {
+            numbers.write_all(out, &colours[i][..if opaque { 3 } else { 4 }]);
+        }
+        out.push(b'\n');
+    }
+}
+
+/// Writes statements of a keyword and numbers.
+fn write_statements<const N: usize>(
+    keyword: &str,
+    values: &[[f64; N]],
+    single: bool,
+    out: &mut dyn Write,
+) -> Result<(), Error> {
+    par::write_rows(out, values.len(), ROWS, |rows, out| {
+        let mut numbers = NumberWriter::new(single);
+        for value in &values[rows] {
+            out.extend_from_slice(keyword.as_bytes());
+            numbers.write_all(out, value);
+            out.push(b'\n');
+        }
+    })?;
+    Ok(())
+}
+
+/// Equal values once, in order, and for each value its index there from 0.
+fn distinct<const N: usize>(values: &[[f64; N]]) -> (Vec<[f64; N]>, Vec<u32>) {
+    let mut known: HashMap<[u64; N], u32> = HashMap::new();
+    let mut distinct = Vec::new();
+    let index = values.iter().map(|value| {
+        *known.entry(value.map(f64::to_bits)).or_insert_with(|| {
+            distinct.push(*value);
+            distinct.len() as u32 - 1
+        })
+    });
+    let index = index.collect();
+    (distinct, index)
+}
+
 /// Writes the `vt` statements, equal ones of corners once. For each corner its index from 0,
 /// unless that is its vertex.
 fn write_uvs(
     data: &MeshData,
-    numbers: &mut NumberWriter,
+    single: bool,
     out: &mut dyn Write,
 ) -> Result<Option<Vec<u32>>, Error> {
-    let mut write = |uv: &[f64; 2]| -> Result<(), Error> {
-        out.write_all(b"vt")?;
-        numbers.write_all(out, uv)?;
-        Ok(out.write_all(b"\n")?)
-    };
     let Some(corner_uvs) = &data.corner_uvs else {
-        data.uvs.iter().flatten().try_for_each(&mut write)?;
+        write_statements("vt", data.uvs.as_deref().unwrap_or_default(), single, out)?;
         return Ok(None);
     };
-    let mut known: HashMap<[u64; 2], u32> = HashMap::new();
-    let mut of_corner = Vec::with_capacity(corner_uvs.len());
-    for uv in corner_uvs {
-        let next = known.len() as u32;
-        let index = *known.entry(uv.map(f64::to_bits)).or_insert(next);
-        if index == next {
-            write(uv)?;
-        }
-        of_corner.push(index);
-    }
+    let (uvs, of_corner) = distinct(corner_uvs);
+    write_statements("vt", &uvs, single, out)?;
     Ok(Some(of_corner))
 }
 
@@ -678,70 +896,66 @@ fn write_uvs(
 /// is its vertex.
 fn write_normals(
     data: &MeshData,
-    numbers: &mut NumberWriter,
+    single: bool,
     out: &mut dyn Write,
 ) -> Result<Option<Vec<u32>>, Error> {
-    let mut write = |n: &Vec3| -> Result<(), Error> {
-        out.write_all(b"vn")?;
-        numbers.write_all(out, &[n.x, n.y, n.z])?;
-        Ok(out.write_all(b"\n")?)
-    };
     let Some(corner_normals) = &data.corner_normals else {
-        data.normals.iter().flatten().try_for_each(&mut write)?;
+        let normals = data.normals.as_deref().unwrap_or_default();
+        write_statements::<3>("vn", bytemuck::cast_slice(normals), single, out)?;
         return Ok(None);
     };
-    let mut known: HashMap<[u64; 3], u32> = HashMap::new();
-    let mut of_corner = Vec::with_capacity(corner_normals.len());
-    for n in corner_normals {
-        let next = known.len() as u32;
-        let index = *known.entry([n.x, n.y, n.z].map(f64::to_bits)).or_insert(next);
-        if index == next {
-            write(n)?;
-        }
-        of_corner.push(index);
-    }
+    let (normals, of_corner) = distinct::<3>(bytemuck::cast_slice(corner_normals));
+    write_statements("vn", &normals, single, out)?;
     Ok(Some(of_corner))
 }
 
-fn write_faces(
+/// Appends the `f` statements of some faces, and the names that begin there.
+fn face_rows(
     data: &MeshData,
     uv_of_corner: Option<&[u32]>,
     normal_of_corner: Option<&[u32]>,
-    out: &mut dyn Write,
-) -> Result<(), Error> {
+    rows: Range<usize>,
+    out: &mut Vec<u8>,
+) {
     let has_uv = data.uvs.is_some() || uv_of_corner.is_some();
     let has_normal = data.normals.is_some() || normal_of_corner.is_some();
-    let mut last = [None; 2];
-    let mut corner = 0;
-    for (face, vertices) in data.faces.iter().enumerate() {
-        for (i, (keyword, labels)) in
-            [("g", &data.groups), ("usemtl", &data.materials)].into_iter().enumerate()
-        {
+    let (start, corners) = (data.faces.starts(), data.faces.corners());
+    let mut numbers = NumberWriter::new(false);
+    for face in rows {
+        for (keyword, labels) in [("g ", &data.groups), ("usemtl ", &data.materials)] {
             let Some(labels) = labels else { continue };
             let label = labels.of_face[face];
             let name = &labels.names[label as usize];
-            // A face before the first name needs no statement.
-            if last[i] != Some(label) && !(last[i].is_none() && name.is_empty()) {
-                writeln!(out, "{keyword} {}", statement_name(name))?;
+            let goes_on = match face.checked_sub(1) {
+                Some(last) => labels.of_face[last] == label,
+                // A face before the first name needs no statement.
+                None => name.is_empty(),
+            };
+            if !goes_on {
+                out.extend_from_slice(keyword.as_bytes());
+                out.extend_from_slice(statement_name(name).as_bytes());
+                out.push(b'\n');
             }
-            last[i] = Some(label);
         }
-        out.write_all(b"f")?;
-        for &v in vertices {
-            let vertex = u64::from(v) + 1;
-            let uv = uv_of_corner.map_or(vertex, |of| u64::from(of[corner]) + 1);
-            let normal = normal_of_corner.map_or(vertex, |of| u64::from(of[corner]) + 1);
-            match (has_uv, has_normal) {
-                (false, false) => write!(out, " {vertex}")?,
-                (true, false) => write!(out, " {vertex}/{uv}")?,
-                (false, true) => write!(out, " {vertex}//{normal}")?,
-                (true, true) => write!(out, " {vertex}/{uv}/{normal}")?,
+        out.push(b'f');
+        for corner in start[face] as usize..start[face + 1] as usize {
+            let vertex = corners[corner];
+            let index = |of_corner: Option<&[u32]>| of_corner.map_or(vertex, |of| of[corner]);
+            out.push(b' ');
+            numbers.whole(out, u64::from(vertex) + 1);
+            if has_uv || has_normal {
+                out.push(b'/');
             }
-            corner += 1;
+            if has_uv {
+                numbers.whole(out, u64::from(index(uv_of_corner)) + 1);
+            }
+            if has_normal {
+                out.push(b'/');
+                numbers.whole(out, u64::from(index(normal_of_corner)) + 1);
+            }
         }
-        out.write_all(b"\n")?;
+        out.push(b'\n');
     }
-    Ok(())
 }
 
 /// A name as a statement can hold it: on one line, no comment, no continuation.
@@ -756,4 +970,127 @@ pub(crate) fn statement_name(name: &str) -> String {
         safe.push('_');
     }
     safe
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::collection::vec;
+    use proptest::prelude::*;
+    use proptest::sample::select;
+
+    use super::*;
+
+    /// One line each, with and without fault; some continue on the next.
+    const LINES: &[&str] = &[
+        "v 0 1 2",
+        "v 0.5 -1 2 1",
+        "v 1 2 3 0.5",
+        "v 1 2 3 0.1 0.2 0.3",
+        "v 1 2 3 100 200 255",
+        "  v\t1 \\\n 2 \\\r\n3 # end",
+        "v 1 2 3 4 5",
+        "vt 0.5 0.25",
+        "vt 1 0",
+        "vn 0 0 1",
+        "vn 1 0 0",
+        "f 1 2 3",
+        "f 3 2 1 4",
+        "f -1 -2 -3",
+        "f -3 -1 \\\n-2",
+        "f 1/1 2/2 3/1",
+        "f -1/-1/-1 -2/-1/-2 -3/-2/-1",
+        "f 1//1 2//-1 -1//2",
+        "f -4 2/-1 1//1",
+        "f",
+        "f 9 8 7",
+        "f 1/7 2/-9 3//40",
+        "g a",
+        "g b \\\nc # d \\",
+        "g",
+        "o thing",
+        "usemtl red",
+        "usemtl",
+        "mtllib a.mtl",
+        "s 1",
+        "s off",
+        "t crease 2/1/0 0 1 2.5",
+        "t hole 1/0/0 0",
+        "t crease",
+        "t other 0/0/0",
+        "p 1",
+        "l 1 2",
+        "curv 0 1",
+        "what 1 2",
+        "# comment \\",
+        "",
+        "\\",
+        "\\\r",
+        "\r",
+        "v 1 2",
+        "f 1 x 3",
+        "f 0 1 2",
+        "f -50 1 2",
+    ];
+
+    fn same(text: &[u8]) {
+        let whole = parse_in_parts(text, 1);
+        for parts in [2, 3, 7, text.len()] {
+            // NaN does not occur, so equal is the same.
+            assert_eq!(parse_in_parts(text, parts), whole, "{parts} parts");
+        }
+    }
+
+    /// Whether the text is read in parts, and not again.
+    fn is_joined(text: &str, parts: usize) -> bool {
+        let parts = Scanner::new(text.as_bytes()).unwrap().parts(parts, true);
+        let parts: Vec<_> = parts
+            .into_iter()
+            .map(|part| Reader::new(part, true).statements())
+            .collect::<Result<_, _>>()
+            .unwrap();
+        parts.len() > 1 && Reader::joined(parts).is_some()
+    }
+
+    #[test]
+    fn every_statement_is_read_in_parts() {
+        let text = "v 0 0 0 1 1 1\nvt 0 0\nvn 0 0 1\nv 1 0 0\nv 0 1 0\ng a\nf 1 2 3\nf -3/-1 -2 -1//-1\n\
+            usemtl m\nv 1 1 1\nf 4/1/1 -1/1/1 -2/1/1\nt hole 1/0/0 1\n";
+        assert!(is_joined(text, 5) && is_joined(text, 12));
+        same(text.as_bytes());
+        let data = parse_in_parts(text.as_bytes(), 12).unwrap();
+        assert_eq!(data.faces.corners(), [0, 1, 2, 0, 1, 2, 3, 3, 2]);
+        assert_eq!(data.groups.unwrap().of_face, [0, 0, 0]);
+    }
+
+    #[test]
+    fn the_first_error_of_the_file_is_named() {
+        let good = "v 0 0 0\n".repeat(40);
+        for (bad, message) in [
+            ("f 1 2 x\nf 1 y\n", "line 41: found 'x'"),
+            ("f 1 2 -99\nf 1 y\n", "line 41: vertex -99, but there are 40 so far"),
+            ("f 1 2 99\nf 1 2 100\n", "line 41: vertex 99, but the file has 80"),
+        ] {
+            let text = format!("{good}{bad}{good}");
+            for parts in [1, 2, 5, 30] {
+                let error = parse_in_parts(text.as_bytes(), parts).unwrap_err().to_string();
+                assert!(error.starts_with(message), "{error}");
+            }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig {
+            failure_persistence: None, ..ProptestConfig::with_cases(400)
+        })]
+
+        #[test]
+        fn parts_give_what_the_whole_gives(
+            lines in vec(prop_oneof![9 => 0..LINES.len() - 8, 1 => 0..LINES.len()], 0..60),
+            ends in vec(select(&["\n", "\r\n", "\r"][..]), 60),
+        ) {
+            let lines = lines.iter().zip(&ends).flat_map(|(line, end)| [LINES[*line], end]);
+            let text: String = "v 1 0 0\nv 0 1 0\nv 0 0 1\nv 1 1 1\n".chars().chain(lines.flat_map(str::chars)).collect();
+            same(text.as_bytes());
+        }
+    }
 }

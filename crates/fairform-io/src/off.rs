@@ -7,13 +7,15 @@
 //! Source: Geomview manual, section "OFF: the Object File Format".
 
 use std::io::Write;
+use std::ops::Range;
 
 use fairform::{Faces, Vec3};
 
 use crate::data::{MeshData, WriteOptions, exact_bytes, push_face, scale_large_colours};
 use crate::error::{Error, ParseError, Place};
 use crate::format::{NORMALS_PER_CORNER, left_out};
-use crate::text::{NumberWriter, Scanner, counted, quoted};
+use crate::par;
+use crate::text::{NumberWriter, ROWS, Scanner, counted, quoted};
 
 /// What the first word says about the vertices.
 #[derive(Clone, Copy, Default)]
@@ -309,7 +311,6 @@ pub(crate) fn encode(
     options: &WriteOptions,
     out: &mut dyn Write,
 ) -> Result<Vec<String>, Error> {
-    let mut numbers = NumberWriter::new(options.single_precision);
     let prefix = |has: bool, letters: &'static str| if has { letters } else { "" };
     writeln!(
         out,
@@ -320,30 +321,10 @@ pub(crate) fn encode(
     )?;
     writeln!(out, "{} {} 0", data.positions.len(), data.faces.len())?;
     let bytes = data.colours.as_deref().and_then(byte_colours);
-    for (i, p) in data.positions.iter().enumerate() {
-        numbers.write(out, p.x)?;
-        numbers.write_all(out, &[p.y, p.z])?;
-        if let Some(normals) = &data.normals {
-            numbers.write_all(out, &<[f64; 3]>::from(normals[i]))?;
-        }
-        if let Some(bytes) = &bytes {
-            let [r, g, b, a] = bytes[i];
-            write!(out, " {r} {g} {b} {a}")?;
-        } else if let Some(colours) = &data.colours {
-            write_fractions(out, &mut numbers, &colours[i])?;
-        }
-        if let Some(uvs) = &data.uvs {
-            numbers.write_all(out, &uvs[i])?;
-        }
-        out.write_all(b"\n")?;
-    }
-    for face in data.faces.iter() {
-        write!(out, "{}", face.len())?;
-        for v in face {
-            write!(out, " {v}")?;
-        }
-        out.write_all(b"\n")?;
-    }
+    par::write_rows(out, data.positions.len(), ROWS, |rows, out| {
+        vertex_rows(data, bytes.as_deref(), options.single_precision, rows, out);
+    })?;
+    par::write_rows(out, data.faces.len(), ROWS, |rows, out| face_rows(data, rows, out))?;
     Ok(left_out(
         &[
             (data.corner_normals.is_some(), NORMALS_PER_CORNER),
@@ -357,6 +338,52 @@ pub(crate) fn encode(
     ))
 }
 
+/// Appends the lines of some vertices.
+fn vertex_rows(
+    data: &MeshData,
+    bytes: Option<&[[u8; 4]]>,
+    single: bool,
+    rows: Range<usize>,
+    out: &mut Vec<u8>,
+) {
+    let mut numbers = NumberWriter::new(single);
+    for i in rows {
+        let p = data.positions[i];
+        numbers.write(out, p.x);
+        numbers.write_all(out, &[p.y, p.z]);
+        if let Some(normals) = &data.normals {
+            numbers.write_all(out, &<[f64; 3]>::from(normals[i]));
+        }
+        if let Some(bytes) = bytes {
+            for byte in bytes[i] {
+                out.push(b' ');
+                numbers.whole(out, byte.into());
+            }
+        } else if let Some(colours) = &data.colours {
+            write_fractions(out, &mut numbers, &colours[i]);
+        }
+        if let Some(uvs) = &data.uvs {
+            numbers.write_all(out, &uvs[i]);
+        }
+        out.push(b'\n');
+    }
+}
+
+/// Appends the lines of some faces.
+fn face_rows(data: &MeshData, rows: Range<usize>, out: &mut Vec<u8>) {
+    let mut numbers = NumberWriter::new(false);
+    let (start, corners) = (data.faces.starts(), data.faces.corners());
+    for face in rows {
+        let face = &corners[start[face] as usize..start[face + 1] as usize];
+        numbers.whole(out, face.len() as u64);
+        for &v in face {
+            out.push(b' ');
+            numbers.whole(out, v.into());
+        }
+        out.push(b'\n');
+    }
+}
+
 /// All colours as bytes, if they are some, and a reader can tell: one is above 1.
 fn byte_colours(colours: &[[f64; 4]]) -> Option<Vec<[u8; 4]>> {
     let bytes: Vec<_> = colours.iter().map(exact_bytes).collect::<Option<_>>()?;
@@ -364,17 +391,12 @@ fn byte_colours(colours: &[[f64; 4]]) -> Option<Vec<[u8; 4]>> {
 }
 
 /// Writes fractions with a point, so that a reader can tell them from bytes.
-fn write_fractions(
-    out: &mut dyn Write,
-    numbers: &mut NumberWriter,
-    values: &[f64; 4],
-) -> Result<(), Error> {
+fn write_fractions(out: &mut Vec<u8>, numbers: &mut NumberWriter, values: &[f64; 4]) {
     for &value in values {
-        numbers.write_all(out, &[value])?;
+        numbers.write_all(out, &[value]);
         // Larger ones have an exponent.
         if value.fract() == 0.0 && value.abs() < 1e6 {
-            out.write_all(b".0")?;
+            out.extend_from_slice(b".0");
         }
     }
-    Ok(())
 }

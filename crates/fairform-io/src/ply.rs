@@ -14,9 +14,10 @@ use fairform::{Faces, Vec3};
 
 use crate::data::{MeshData, push_face, scale_large_colours};
 use crate::error::{ParseError, Place};
+use crate::par;
 use crate::text::{Scanner, counted, quoted};
 use body::{AsciiBody, BinaryBody, Body, END, Rows};
-use header::{Element, Encoding, Property, read_header};
+use header::{Element, Encoding, Property, Scalar, read_header};
 
 pub(crate) use writer::encode;
 
@@ -86,6 +87,39 @@ impl VertexColumns {
                 .into_iter()
                 .find_map(pair),
         })
+    }
+}
+
+impl MeshData {
+    /// Takes vertices from rows of bytes.
+    fn take_columns(&mut self, columns: &VertexColumns, element: &Element<'_>, rows: &Rows<'_>) {
+        let mut place = Vec::with_capacity(element.properties.len());
+        let mut offset = 0;
+        for property in &element.properties {
+            place.push((property.scalar, offset));
+            offset += property.scalar.size();
+        }
+        let all = [Some(columns.position), columns.normal];
+        let [positions, normals] =
+            all.map(|at| Some(bytemuck::cast_vec(rows.columns(at?.map(|i| place[i])))));
+        self.positions = positions.unwrap_or_default();
+        self.normals = normals;
+        self.uvs = columns.uv.map(|at| rows.columns(at.map(|i| place[i])));
+        self.colours = columns.colour.map(|([r, g, b], alpha)| {
+            // Where there is no alpha, any number in its place.
+            let at = [r, g, b, alpha.unwrap_or(r)];
+            let full = at.map(|i| place[i].0.full());
+            let mut colours = rows.columns(at.map(|i| place[i]));
+            for colour in &mut colours {
+                for (value, full) in colour.iter_mut().zip(full) {
+                    *value /= full;
+                }
+                if alpha.is_none() {
+                    colour[3] = 1.0;
+                }
+            }
+            colours
+        });
     }
 }
 
@@ -165,6 +199,24 @@ impl Reader {
 
     fn vertices<B: Body>(&mut self, body: &mut B, element: &Element<'_>) -> Result<(), ParseError> {
         let columns = VertexColumns::new(element)?;
+        if let Some(rows) = body.rows(element) {
+            self.data.take_columns(&columns, element, &rows);
+        } else {
+            self.vertex_rows(&columns, body, element)?;
+        }
+        if let Some(colours) = &mut self.data.colours {
+            scale_large_colours(colours, &mut self.data.notes);
+        }
+        Ok(())
+    }
+
+    /// Reads vertices one after the other.
+    fn vertex_rows<B: Body>(
+        &mut self,
+        columns: &VertexColumns,
+        body: &mut B,
+        element: &Element<'_>,
+    ) -> Result<(), ParseError> {
         let data = &mut self.data;
         // `check` compared the count with the bytes, unless there are lists.
         let room = if element.has_lists() { 0 } else { element.count as usize };
@@ -173,49 +225,30 @@ impl Reader {
         data.colours = columns.colour.map(|_| Vec::with_capacity(room));
         data.uvs = columns.uv.map(|_| Vec::with_capacity(room));
         let full: Vec<_> = element.properties.iter().map(|p| p.scalar.full()).collect();
-        let mut store = |value: &dyn Fn(usize) -> f64| {
-            let vec3 = |[x, y, z]: [usize; 3]| Vec3::new(value(x), value(y), value(z));
+        let mut values = vec![0.0; element.properties.len()];
+        Self::rows(body, element, |body, _| {
+            for (value, property) in values.iter_mut().zip(&element.properties) {
+                if property.count.is_some() {
+                    Self::skip_property(body, property)?;
+                } else {
+                    *value = body.number(property.scalar)?;
+                }
+            }
+            let vec3 = |[x, y, z]: [usize; 3]| Vec3::new(values[x], values[y], values[z]);
             data.positions.push(vec3(columns.position));
             if let (Some(at), Some(normals)) = (columns.normal, &mut data.normals) {
                 normals.push(vec3(at));
             }
             if let (Some((rgb, alpha)), Some(colours)) = (columns.colour, &mut data.colours) {
-                let part = |i: usize| value(i) / full[i];
+                let part = |i: usize| values[i] / full[i];
                 let [r, g, b] = rgb.map(part);
                 colours.push([r, g, b, alpha.map_or(1.0, part)]);
             }
             if let (Some(at), Some(uvs)) = (columns.uv, &mut data.uvs) {
-                uvs.push(at.map(value));
+                uvs.push(at.map(|i| values[i]));
             }
-        };
-        if let Some(Rows { bytes, size, read }) = body.rows(element) {
-            let mut offsets = Vec::with_capacity(element.properties.len());
-            let mut offset = 0;
-            for property in &element.properties {
-                offsets.push((property.scalar, offset));
-                offset += property.scalar.size();
-            }
-            for row in bytes.chunks_exact(size) {
-                store(&|i| read(offsets[i].0, &row[offsets[i].1..]));
-            }
-        } else {
-            let mut values = vec![0.0; element.properties.len()];
-            Self::rows(body, element, |body, _| {
-                for (value, property) in values.iter_mut().zip(&element.properties) {
-                    if property.count.is_some() {
-                        Self::skip_property(body, property)?;
-                    } else {
-                        *value = body.number(property.scalar)?;
-                    }
-                }
-                store(&|i| values[i]);
-                Ok(())
-            })?;
-        }
-        if let Some(colours) = &mut self.data.colours {
-            scale_large_colours(colours, &mut self.data.notes);
-        }
-        Ok(())
+            Ok(())
+        })
     }
 
     /// The property of an element that lists vertices, if there is one and it holds whole numbers.
@@ -258,6 +291,10 @@ impl Reader {
             }
             return Self::skip(body, element);
         };
+        if let Some((faces, length)) = self.uniform_faces(body, element) {
+            body.advance(length);
+            return self.append(faces, Place::File);
+        }
         let texcoord = element
             .find(&["texcoord"])
             .filter(|i| element.properties[*i].count.is_some() && *i != list);
@@ -311,6 +348,45 @@ impl Reader {
             self.data.notes.push("colours of faces left out".into());
         }
         self.append(faces, Place::File)
+    }
+
+    /// The faces of an element, and the bytes that they take, if each is a list of as many indices as
+    /// the first, of a usual type and in range, and nothing more.
+    fn uniform_faces<B: Body>(&self, body: &B, element: &Element<'_>) -> Option<(Faces, usize)> {
+        const BLOCK: usize = 1 << 14;
+        let [list] = element.properties.as_slice() else { return None };
+        let usual = match list.scalar {
+            Scalar::U32 => true,
+            // A negative one is large as an unsigned one.
+            Scalar::I32 => self.vertex_count <= 1 << 31,
+            _ => false,
+        };
+        let usual = usual && list.count == Some(Scalar::U8);
+        let bytes = body.little().filter(|_| usual)?;
+        let size = *bytes.first().filter(|size| **size > 0)?;
+        let (count, corners) = (usize::try_from(element.count).ok()?, usize::from(size));
+        let length = count.checked_mul(1 + 4 * corners)?;
+        let rows = bytes.get(..length)?;
+        if count * corners > u32::MAX as usize {
+            return None;
+        }
+        let mut all: Vec<u32> = bytemuck::zeroed_vec(count * corners);
+        let tasks = all.chunks_mut(BLOCK * corners).zip(rows.chunks(BLOCK * (1 + 4 * corners)));
+        par::map(tasks, |(out, rows)| {
+            let mut good = true;
+            for (face, row) in out.chunks_exact_mut(corners).zip(rows.chunks_exact(1 + 4 * corners))
+            {
+                good &= row[0] == size;
+                for (corner, index) in face.iter_mut().zip(row[1..].as_chunks::<4>().0) {
+                    *corner = u32::from_le_bytes(*index);
+                    good &= u64::from(*corner) < self.vertex_count;
+                }
+            }
+            good
+        })
+        .into_iter()
+        .all(|good| good)
+        .then(|| (Faces::uniform(u32::from(size), all), length))
     }
 
     /// Reads triangle strips, which −1 parts and whose every other triangle turns over.
@@ -370,5 +446,71 @@ impl Reader {
             uvs.resize(self.data.faces.corners().len(), [0.0; 2]);
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A binary file of `vertex_count` vertices and faces, each with a byte behind or without.
+    fn file(vertex_count: u32, faces: &[&[i32]], behind: bool) -> Vec<u8> {
+        let property = if behind { "property uchar flag\n" } else { "" };
+        let mut bytes = format!(
+            "ply\nformat binary_little_endian 1.0\nelement vertex {vertex_count}\nproperty float z\n\
+             property double x\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n\
+             property short y\nelement face {}\nproperty list uchar int vertex_indices\n{property}\
+             end_header\n",
+            faces.len()
+        )
+        .into_bytes();
+        for i in 0..vertex_count {
+            bytes.extend((0.5 * i as f32).to_le_bytes());
+            bytes.extend((0.1 * f64::from(i)).to_le_bytes());
+            bytes.extend([255, 0, 51, i as u8, 0xff]);
+        }
+        for face in faces {
+            bytes.push(face.len() as u8);
+            bytes.extend(face.iter().flat_map(|v| v.to_le_bytes()));
+            bytes.extend(behind.then_some(7));
+        }
+        bytes
+    }
+
+    #[test]
+    fn faces_of_one_size_are_read_as_any() {
+        let cases: [&[&[i32]]; 6] = [
+            &[&[0, 1, 2], &[2, 1, 3]],
+            &[&[0, 1, 2, 3]],
+            &[&[0, 1, 2], &[2, 1, 3, 0], &[1, 2, 3]],
+            &[&[], &[0, 1, 2]],
+            &[&[0, 1, 2], &[2, 1, 4]],
+            &[&[0, 1, 2], &[2, 1, -1]],
+        ];
+        for faces in cases {
+            let plain = parse(&file(4, faces, false));
+            let general = parse(&file(4, faces, true));
+            match (plain, general) {
+                (Ok(plain), Ok(general)) => {
+                    assert_eq!(plain, general);
+                    let expected: Vec<Vec<u32>> =
+                        faces.iter().map(|f| f.iter().map(|v| *v as u32).collect()).collect();
+                    assert_eq!(plain.faces, expected.iter().collect());
+                }
+                (Err(plain), Err(general)) => assert_eq!(plain.message, general.message),
+                (plain, general) => panic!("{plain:?} and {general:?}"),
+            }
+        }
+        let cut = file(4, cases[0], false);
+        let error = parse(&cut[..cut.len() - 1]).unwrap_err().message;
+        assert!(error.starts_with("the file declares 2 faces and ends after 1"), "{error}");
+    }
+
+    #[test]
+    fn columns_of_any_type_are_read() {
+        let data = parse(&file(3, &[&[0, 1, 2]], false)).unwrap();
+        // The two bytes of y are those of -256 + i.
+        assert_eq!(data.positions[2], Vec3::new(0.2, -254.0, 1.0));
+        assert_eq!(data.colours.unwrap()[1], [1.0, 0.0, 0.2, 1.0]);
     }
 }

@@ -13,12 +13,13 @@ use std::io::Write;
 
 use fairform::{Faces, Vec3};
 
-use crate::data::{LabelBuilder, MeshData, WriteOptions, push_face};
+use crate::data::{LabelBuilder, MeshData, WriteOptions, too_many_corners};
 use crate::error::{Error, ParseError, Place};
 use crate::format::left_out;
-use crate::text::{NumberWriter, Scanner, counted, text_of};
-use crate::triangulate::Triangulator;
-use crate::weld::Weld;
+use crate::par;
+use crate::text::{NumberWriter, ROWS, Scanner, counted, text_of};
+use crate::triangulate::Triangles;
+use crate::weld::{Point, Weld, numbers};
 
 /// Bytes before the first triangle of a binary file: a free header, and the count.
 const HEADER: usize = 84;
@@ -27,7 +28,7 @@ const TRIANGLE: usize = 50;
 
 /// The mesh in an STL file.
 pub(crate) fn parse(bytes: &[u8]) -> Result<MeshData, ParseError> {
-    if is_text(bytes) { parse_text(bytes) } else { parse_binary(bytes) }
+    if is_text(bytes) { parse_text(bytes) } else { parse_binary(bytes, BLOCK) }
 }
 
 /// The number of triangles that a binary file declares.
@@ -56,42 +57,83 @@ fn is_text(bytes: &[u8]) -> bool {
         || !bytes[..bytes.len().min(512)].contains(&0)
 }
 
-/// Triangles as they are read.
-struct Builder {
-    weld: Weld,
-    faces: Faces,
-    flat: usize,
+/// Triangles that stand one behind the other in a file, welded among themselves.
+struct Part<P> {
+    weld: Weld<P>,
+    corners: Vec<u32>,
 }
 
-impl Builder {
+impl<P: Point> Part<P> {
     fn with_capacity(triangles: usize) -> Self {
-        // A closed mesh has half as many vertices as triangles.
-        let weld = Weld::with_capacity(triangles / 2);
-        Self { weld, faces: Faces::with_capacity(triangles, 3 * triangles), flat: 0 }
+        // A closed mesh has half as many vertices as triangles, a part of it a few more.
+        let weld = Weld::with_capacity(triangles * 3 / 4);
+        Self { weld, corners: Vec::with_capacity(3 * triangles) }
     }
 
-    fn push(&mut self, triangle: [Vec3; 3], place: Place) -> Result<(), ParseError> {
-        let [a, b, c] = triangle.map(|p| self.weld.vertex(p));
-        self.flat += usize::from(a == b || b == c || c == a);
-        push_face(&mut self.faces, &[a, b, c], place)
-    }
-
-    fn finish(self) -> MeshData {
-        let mut notes = Vec::new();
-        let (corners, vertices) = (self.faces.corners().len(), self.weld.positions.len());
-        if corners > 0 {
-            let (corners, vertices) = (counted(corners, "corner"), counted(vertices, "vertex"));
-            notes.push(format!("welded {corners} into {vertices}: STL has no connectivity"));
-        }
-        if self.flat > 0 {
-            let n = counted(self.flat, "triangle");
-            notes.push(format!("{n} with two corners at one point kept"));
-        }
-        MeshData { positions: self.weld.positions, faces: self.faces, notes, ..MeshData::default() }
+    fn push(&mut self, triangle: [P; 3]) {
+        self.corners.extend(triangle.map(|p| self.weld.vertex(p)));
     }
 }
 
-fn parse_binary(bytes: &[u8]) -> Result<MeshData, ParseError> {
+/// The mesh of all parts: a vertex has the number in which it first appears in the file.
+fn join<P: Point + Send + Sync>(parts: &[Part<P>]) -> MeshData {
+    let points: Vec<P> = parts.iter().flat_map(|part| &part.weld.positions).copied().collect();
+    let numbers = numbers(&points);
+    let vertex_count = numbers.iter().max().map_or(0, |last| *last as usize + 1);
+    let corner_count = parts.iter().map(|part| part.corners.len()).sum();
+    let mut positions: Vec<Vec3> = bytemuck::zeroed_vec(vertex_count);
+    let mut corners: Vec<u32> = bytemuck::zeroed_vec(corner_count);
+    let mut tasks = Vec::new();
+    let (mut rest, mut corners_left) = (positions.as_mut_slice(), corners.as_mut_slice());
+    let mut numbers_left = numbers.as_slice();
+    let mut first_new = 0;
+    for part in parts {
+        let own = numbers_left.split_off(..part.weld.positions.len()).unwrap_or_default();
+        let corners = corners_left.split_off_mut(..part.corners.len()).unwrap_or_default();
+        let new = own.iter().filter(|number| **number >= first_new).count();
+        let new_positions = rest.split_off_mut(..new).unwrap_or_default();
+        tasks.push((part, own, corners, new_positions, first_new));
+        first_new += new as u32;
+    }
+    let flat: usize = par::map(tasks, |(part, own, corners, new_positions, first_new)| {
+        let new = own.iter().zip(&part.weld.positions).filter(|(number, _)| **number >= first_new);
+        for (slot, (_, position)) in new_positions.iter_mut().zip(new) {
+            *slot = position.position();
+        }
+        for (corner, local) in corners.iter_mut().zip(&part.corners) {
+            *corner = own[*local as usize];
+        }
+        let is_flat = |[a, b, c]: &&[u32; 3]| a == b || b == c || c == a;
+        corners.as_chunks::<3>().0.iter().filter(is_flat).count()
+    })
+    .into_iter()
+    .sum();
+
+    let mut notes = Vec::new();
+    if !corners.is_empty() {
+        let vertices = counted(positions.len(), "vertex");
+        let corners = counted(corners.len(), "corner");
+        notes.push(format!("welded {corners} into {vertices}: STL has no connectivity"));
+    }
+    if flat > 0 {
+        let n = counted(flat, "triangle");
+        notes.push(format!("{n} with two corners at one point kept"));
+    }
+    let faces = Faces::uniform(3, corners);
+    MeshData { positions, faces, notes, ..MeshData::default() }
+}
+
+/// Fails for more triangles than corners can be counted, at the place of the first too many.
+fn check_count(count: usize, place: impl Fn(usize) -> Place) -> Result<(), ParseError> {
+    const MOST: usize = u32::MAX as usize / 3;
+    if count <= MOST { Ok(()) } else { Err(too_many_corners(place(MOST))) }
+}
+
+/// Triangles of a binary file that are welded at once, in the processor's own memory.
+const BLOCK: usize = 1 << 15;
+
+/// Reads a binary file, in parts of `block` triangles.
+fn parse_binary(bytes: &[u8], block: usize) -> Result<MeshData, ParseError> {
     let Some(count) = declared(bytes) else {
         let n = counted(bytes.len(), "byte");
         return Err(ParseError::file(format!("the file ends after {n}"))
@@ -109,20 +151,12 @@ fn parse_binary(bytes: &[u8]) -> Result<MeshData, ParseError> {
         let message = format!("the file declares {count} triangles, but holds exactly {room}");
         return Err(ParseError::byte(80, message));
     }
-    let mut builder = Builder::with_capacity(count);
-    let mut attributes = 0_usize;
-    let triangles = body.as_chunks::<TRIANGLE>().0;
-    for (i, triangle) in triangles[..count].iter().enumerate() {
-        let float = |at: usize| {
-            let [a, b, c, d] = [triangle[at], triangle[at + 1], triangle[at + 2], triangle[at + 3]];
-            f64::from(f32::from_le_bytes([a, b, c, d]))
-        };
-        let point = |at: usize| Vec3::new(float(at), float(at + 4), float(at + 8));
-        let place = Place::Byte((HEADER + i * TRIANGLE) as u64);
-        builder.push([point(12), point(24), point(36)], place)?;
-        attributes += usize::from(triangle[48..] != [0, 0]);
-    }
-    let mut data = builder.finish();
+    check_count(count, |i| Place::Byte((HEADER + i * TRIANGLE) as u64))?;
+    let triangles = &body.as_chunks::<TRIANGLE>().0[..count];
+    let (parts, attributes): (Vec<_>, Vec<_>) =
+        par::map(triangles.chunks(block), read_triangles).into_iter().unzip();
+    let mut data = join(&parts);
+    let attributes: usize = attributes.into_iter().sum();
     if attributes > 0 {
         let n = counted(attributes, "triangle");
         data.notes.push(format!("attribute bytes (colours) of {n} left out"));
@@ -134,9 +168,23 @@ fn parse_binary(bytes: &[u8]) -> Result<MeshData, ParseError> {
     Ok(data)
 }
 
+/// The triangles, and how many have attributes.
+fn read_triangles(triangles: &[[u8; TRIANGLE]]) -> (Part<[f32; 3]>, usize) {
+    let mut part = Part::with_capacity(triangles.len());
+    let mut attributes = 0;
+    for triangle in triangles {
+        let words = triangle.as_chunks::<4>().0;
+        let number = |at: usize| f32::from_le_bytes(words[at]);
+        let point = |at: usize| [number(at), number(at + 1), number(at + 2)];
+        part.push([point(3), point(6), point(9)]);
+        attributes += usize::from(triangle[48..] != [0, 0]);
+    }
+    (part, attributes)
+}
+
 fn parse_text(bytes: &[u8]) -> Result<MeshData, ParseError> {
     let mut text = Scanner::new(bytes)?;
-    let mut builder = Builder::with_capacity(0);
+    let mut part = Part::with_capacity(0);
     let mut groups = LabelBuilder::default();
     let mut solids = 0;
     loop {
@@ -152,8 +200,8 @@ fn parse_text(bytes: &[u8]) -> Result<MeshData, ParseError> {
             if !peek_is(&text, "facet") {
                 break;
             }
-            facet(&mut text, &mut builder)?;
-            groups.fill(builder.faces.len());
+            part.push(facet(&mut text)?);
+            groups.fill(part.corners.len() / 3);
         }
         if text.is_at_end() {
             return Err(ended(&text, "a solid"));
@@ -162,7 +210,8 @@ fn parse_text(bytes: &[u8]) -> Result<MeshData, ParseError> {
         // The name again.
         text.skip_line();
     }
-    let mut data = builder.finish();
+    check_count(part.corners.len() / 3, |_| Place::File)?;
+    let mut data = join(&[part]);
     if solids > 1 {
         data.groups = groups.finish();
     }
@@ -189,7 +238,7 @@ fn keyword(text: &mut Scanner<'_>, expected: &str) -> Result<(), ParseError> {
 }
 
 /// Reads `facet … outer loop`, three vertices, and what ends them. The normal is not needed.
-fn facet(text: &mut Scanner<'_>, builder: &mut Builder) -> Result<(), ParseError> {
+fn facet(text: &mut Scanner<'_>) -> Result<[Vec3; 3], ParseError> {
     let mut read = || -> Result<[Vec3; 3], ParseError> {
         keyword(text, "facet")?;
         text.skip_space();
@@ -215,11 +264,7 @@ fn facet(text: &mut Scanner<'_>, builder: &mut Builder) -> Result<(), ParseError
         keyword(text, "endfacet")?;
         Ok(triangle)
     };
-    match read() {
-        Ok(triangle) => builder.push(triangle, Place::File),
-        Err(_) if text.is_at_end() => Err(ended(text, "a facet")),
-        Err(error) => Err(error),
-    }
+    read().map_err(|error| if text.is_at_end() { ended(text, "a facet") } else { error })
 }
 
 /// Writes an STL file: binary with one header, or text with a solid per run of a group.
@@ -228,24 +273,15 @@ pub(crate) fn encode(
     options: &WriteOptions,
     out: &mut dyn Write,
 ) -> Result<Vec<String>, Error> {
-    let mut triangles = Vec::with_capacity(data.faces.len());
-    let mut face_of = Vec::new();
-    let mut cutter = Triangulator::default();
-    let (mut cut, mut dropped) = (0, 0);
-    for (face, corners) in data.faces.iter().enumerate() {
-        cutter.cut(&data.positions, corners, &mut triangles);
-        face_of.resize(triangles.len(), face);
-        cut += usize::from(corners.len() > 3);
-        dropped += usize::from(corners.len() < 3);
-    }
+    let triangles = Triangles::new(&data.positions, &data.faces);
     let mut notes = Vec::new();
     if options.ascii {
-        write_text(data, options, &triangles, &face_of, out)?;
+        write_text(data, options, &triangles, out)?;
     } else {
-        write_binary(data, &triangles, out)?;
+        write_binary(data, &triangles.corners, out)?;
         notes.extend(rounding_note(data));
     }
-    notes.extend(triangle_notes(cut, dropped));
+    notes.extend(triangle_notes(triangles.cut, triangles.dropped));
     notes.extend(unused_note(data));
     notes.extend(left_out(
         &[
@@ -277,8 +313,10 @@ pub(crate) fn triangle_notes(cut: usize, dropped: usize) -> Vec<String> {
 /// Says so if coordinates are not the same in 32 bits.
 pub(crate) fn rounding_note(data: &MeshData) -> Option<String> {
     let exact = |x: f64| x.is_nan() || f64::from(x as f32).to_bits() == x.to_bits();
-    let all = data.positions.iter().all(|p| exact(p.x) && exact(p.y) && exact(p.z));
-    (!all).then(|| "coordinates rounded to 32 bits".to_string())
+    let all = par::map(data.positions.chunks(ROWS), |block| {
+        block.iter().all(|p| exact(p.x) && exact(p.y) && exact(p.z))
+    });
+    all.contains(&false).then(|| "coordinates rounded to 32 bits".to_string())
 }
 
 fn unused_note(data: &MeshData) -> Option<String> {
@@ -302,53 +340,91 @@ fn write_binary(data: &MeshData, triangles: &[[u32; 3]], out: &mut dyn Write) ->
     header[..8].copy_from_slice(b"fairform");
     header[80..].copy_from_slice(&count.to_le_bytes());
     out.write_all(&header)?;
-    for &triangle in triangles {
-        let ([a, b, c], normal) = corners_of(data, triangle);
-        let mut record = [0; TRIANGLE];
-        let numbers = [normal, a, b, c].into_iter().flat_map(<[f64; 3]>::from);
-        for (bytes, x) in record.as_chunks_mut::<4>().0.iter_mut().zip(numbers) {
-            *bytes = (x as f32).to_le_bytes();
+    par::write_rows(out, triangles.len(), ROWS, |rows, out| {
+        for &triangle in &triangles[rows] {
+            let ([a, b, c], normal) = corners_of(data, triangle);
+            let mut record = [0; TRIANGLE];
+            for (bytes, v) in record.as_chunks_mut::<12>().0.iter_mut().zip([normal, a, b, c]) {
+                bytes[..4].copy_from_slice(&(v.x as f32).to_le_bytes());
+                bytes[4..8].copy_from_slice(&(v.y as f32).to_le_bytes());
+                bytes[8..].copy_from_slice(&(v.z as f32).to_le_bytes());
+            }
+            out.extend_from_slice(&record);
         }
-        out.write_all(&record)?;
-    }
+    })?;
     Ok(())
 }
 
 fn write_text(
     data: &MeshData,
     options: &WriteOptions,
-    triangles: &[[u32; 3]],
-    face_of: &[usize],
+    triangles: &Triangles<'_>,
     out: &mut dyn Write,
 ) -> Result<(), Error> {
-    let mut numbers = NumberWriter::new(options.single_precision);
-    let label = |i: usize| data.groups.as_ref().map(|g| g.of_face[face_of[i]]);
-    let name = |label: Option<u32>| match (&data.groups, label) {
-        (Some(groups), Some(label)) => {
-            groups.names[label as usize].replace(|c: char| c.is_control(), " ").trim().to_string()
-        }
-        _ => "fairform".to_string(),
+    let count = triangles.corners.len();
+    let name = |triangle: Option<usize>| {
+        let label = data.groups.as_ref().zip(triangle);
+        label.map_or_else(
+            || "fairform".to_string(),
+            |(groups, triangle)| {
+                let name = &groups.names[groups.of_face[triangles.face_of(triangle)] as usize];
+                name.replace(|c: char| c.is_control(), " ").trim().to_string()
+            },
+        )
     };
-    let first = if triangles.is_empty() { None } else { label(0) };
-    let mut current = first;
-    writeln!(out, "solid {}", name(current))?;
-    for (i, &triangle) in triangles.iter().enumerate() {
-        if label(i) != current {
-            writeln!(out, "endsolid {}", name(current))?;
-            current = label(i);
-            writeln!(out, "solid {}", name(current))?;
+    let last = count.checked_sub(1);
+    writeln!(out, "solid {}", name(last.map(|_| 0)))?;
+    par::write_rows(out, count, ROWS, |rows, out| {
+        let mut numbers = NumberWriter::new(options.single_precision);
+        for i in rows {
+            let label = |i| data.groups.as_ref().map(|g| g.of_face[triangles.face_of(i)]);
+            if i > 0 && label(i) != label(i - 1) {
+                let (before, next) = (name(Some(i - 1)), name(Some(i)));
+                out.extend_from_slice(format!("endsolid {before}\nsolid {next}\n").as_bytes());
+            }
+            text_row(corners_of(data, triangles.corners[i]), &mut numbers, out);
         }
-        let (corners, normal) = corners_of(data, triangle);
-        out.write_all(b"  facet normal")?;
-        numbers.write_all(out, &<[f64; 3]>::from(normal))?;
-        out.write_all(b"\n    outer loop\n")?;
-        for p in corners {
-            out.write_all(b"      vertex")?;
-            numbers.write_all(out, &<[f64; 3]>::from(p))?;
-            out.write_all(b"\n")?;
-        }
-        out.write_all(b"    endloop\n  endfacet\n")?;
-    }
-    writeln!(out, "endsolid {}", name(current))?;
+    })?;
+    writeln!(out, "endsolid {}", name(last))?;
     Ok(())
+}
+
+/// Appends a facet.
+fn text_row((corners, normal): ([Vec3; 3], Vec3), numbers: &mut NumberWriter, out: &mut Vec<u8>) {
+    out.extend_from_slice(b"  facet normal");
+    numbers.write_all(out, &<[f64; 3]>::from(normal));
+    out.extend_from_slice(b"\n    outer loop\n");
+    for p in corners {
+        out.extend_from_slice(b"      vertex");
+        numbers.write_all(out, &<[f64; 3]>::from(p));
+        out.push(b'\n');
+    }
+    out.extend_from_slice(b"    endloop\n  endfacet\n");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_are_welded_as_the_whole() {
+        let mesh = fairform::shapes::torus(8, 9);
+        let faces = Faces::uniform(
+            3,
+            mesh.topology().halfedges().map(|h| mesh.topology().origin(h).0).collect(),
+        );
+        let data = MeshData { positions: mesh.positions().to_vec(), faces, ..MeshData::default() };
+        let mut bytes = Vec::new();
+        encode(&data, &WriteOptions::default(), &mut bytes).unwrap();
+        // A flat triangle, and one with attributes.
+        let (first, second) = (HEADER + 12, HEADER + TRIANGLE);
+        bytes.copy_within(first..first + 12, first + 12);
+        bytes[second + 48] = 1;
+        let whole = parse_binary(&bytes, usize::MAX).unwrap();
+        assert_eq!(whole.positions.len(), 72);
+        assert_eq!(whole.notes.len(), 3, "{:?}", whole.notes);
+        for block in [1, 2, 7, 100] {
+            assert_eq!(parse_binary(&bytes, block).unwrap(), whole);
+        }
+    }
 }

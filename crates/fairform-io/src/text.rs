@@ -1,7 +1,5 @@
 //! Scanning words and numbers in text held as bytes, and writing numbers.
 
-use std::io::{self, Write};
-
 use crate::error::{ParseError, Place};
 
 /// A position in a text. Lines are counted only when an error needs one.
@@ -123,6 +121,65 @@ impl<'a> Scanner<'a> {
         let from = self.at;
         self.at = self.line_end();
         trim(&self.bytes[from..self.at])
+    }
+
+    /// Skips to the next line that does not continue this one behind a backslash.
+    pub(crate) fn skip_statement(&mut self) {
+        loop {
+            let end = self.line_end();
+            let continued = end > self.at && self.bytes[end - 1] == b'\\';
+            self.skip_line();
+            if !continued || self.is_at_end() {
+                return;
+            }
+        }
+    }
+
+    /// The rest of the statement up to a comment, as a name.
+    pub(crate) fn statement_name(&mut self) -> String {
+        self.skip_blanks();
+        let from = self.at;
+        self.skip_statement();
+        let rest = &self.bytes[from..self.at];
+        let end = (0..rest.len())
+            .find(|&i| rest[i] == b'#' && (i == 0 || rest[i - 1].is_ascii_whitespace()));
+        let rest = trim(&rest[..end.unwrap_or(rest.len())]);
+        if !rest.iter().any(|b| matches!(b, b'\n' | b'\r')) {
+            return text_of(rest);
+        }
+        let joined: Vec<_> = text_of(rest)
+            .split(['\n', '\r'])
+            .map(|line| line.strip_suffix('\\').unwrap_or(line).trim().to_string())
+            .collect();
+        joined.join(" ").trim().to_string()
+    }
+
+    /// What is left, cut behind line ends into so many parts or fewer; not behind a line that a
+    /// backslash continues, where there are such. Each part ends where the text of its scanner does,
+    /// and counts offsets and lines as the whole.
+    pub(crate) fn parts(&self, count: usize, continued: bool) -> Vec<Self> {
+        let length = self.remaining().div_ceil(count.max(1)).max(1);
+        let mut parts = Vec::with_capacity(count);
+        let mut at = self.at;
+        while at < self.bytes.len() {
+            let mut end = at + length;
+            loop {
+                let rest = self.bytes.get(end - 1..).unwrap_or_default();
+                let Some(n) = memchr::memchr(b'\n', rest) else {
+                    end = self.bytes.len();
+                    break;
+                };
+                end += n;
+                let line = &self.bytes[at..end - 1];
+                if !continued || !line.strip_suffix(b"\r").unwrap_or(line).ends_with(b"\\") {
+                    break;
+                }
+                end += 1;
+            }
+            parts.push(Self { bytes: &self.bytes[..end], at });
+            at = end;
+        }
+        parts
     }
 
     /// The next bytes up to white space or the end; empty at a line end.
@@ -269,44 +326,53 @@ pub(crate) fn counted(n: usize, one: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { &many })
 }
 
-/// Writes numbers in the shortest form that reads back as the same bits.
+/// Appends numbers in the shortest form that reads back as the same bits.
 pub(crate) struct NumberWriter {
     buffer: zmij::Buffer,
+    whole: itoa::Buffer,
     single: bool,
 }
 
 impl NumberWriter {
     /// With `single`, numbers are rounded to 32 bits first.
     pub(crate) fn new(single: bool) -> Self {
-        Self { buffer: zmij::Buffer::new(), single }
+        Self { buffer: zmij::Buffer::new(), whole: itoa::Buffer::new(), single }
     }
 
-    pub(crate) fn write(&mut self, out: &mut dyn Write, value: f64) -> io::Result<()> {
+    pub(crate) fn write(&mut self, out: &mut Vec<u8>, value: f64) {
         if !value.is_finite() {
             let word = match value {
                 v if v.is_nan() => "nan",
                 v if v > 0.0 => "inf",
                 _ => "-inf",
             };
-            return out.write_all(word.as_bytes());
+            out.extend_from_slice(word.as_bytes());
+            return;
         }
         let text = if self.single && (value as f32).is_finite() {
             self.buffer.format_finite(value as f32)
         } else {
             self.buffer.format_finite(value)
         };
-        out.write_all(text.strip_suffix(".0").unwrap_or(text).as_bytes())
+        out.extend_from_slice(text.strip_suffix(".0").unwrap_or(text).as_bytes());
     }
 
-    /// Writes numbers with a blank before each.
-    pub(crate) fn write_all(&mut self, out: &mut dyn Write, values: &[f64]) -> io::Result<()> {
+    /// Appends numbers with a blank before each.
+    pub(crate) fn write_all(&mut self, out: &mut Vec<u8>, values: &[f64]) {
         for &value in values {
-            out.write_all(b" ")?;
-            self.write(out, value)?;
+            out.push(b' ');
+            self.write(out, value);
         }
-        Ok(())
+    }
+
+    /// Appends a whole number.
+    pub(crate) fn whole(&mut self, out: &mut Vec<u8>, value: u64) {
+        out.extend_from_slice(self.whole.format(value).as_bytes());
     }
 }
+
+/// Rows of text formatted at once.
+pub(crate) const ROWS: usize = 1 << 14;
 
 #[cfg(test)]
 mod tests {
@@ -350,12 +416,10 @@ mod tests {
     fn numbers_are_written_shortest() {
         let mut out = Vec::new();
         let mut writer = NumberWriter::new(false);
-        writer
-            .write_all(&mut out, &[1.0, -0.5, 0.1, 1e30, 5e-324, f64::NAN, f64::NEG_INFINITY])
-            .unwrap();
+        writer.write_all(&mut out, &[1.0, -0.5, 0.1, 1e30, 5e-324, f64::NAN, f64::NEG_INFINITY]);
         assert_eq!(out, b" 1 -0.5 0.1 1e+30 5e-324 nan -inf");
         out.clear();
-        NumberWriter::new(true).write_all(&mut out, &[f64::from(0.1_f32), 1e-7]).unwrap();
+        NumberWriter::new(true).write_all(&mut out, &[f64::from(0.1_f32), 1e-7]);
         assert_eq!(out, b" 0.1 1e-7");
     }
 }

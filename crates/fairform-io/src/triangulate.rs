@@ -1,6 +1,10 @@
 //! Polygons cut into triangles, for the formats that hold nothing else.
 
-use fairform::Vec3;
+use std::borrow::Cow;
+
+use fairform::{Faces, Vec3};
+
+use crate::par;
 
 /// Above so many corners a polygon that is not convex becomes a fan: cutting ears takes the square
 /// of their number.
@@ -13,6 +17,49 @@ pub(crate) struct Triangulator {
     next: Vec<usize>,
     previous: Vec<usize>,
     ears: Vec<usize>,
+}
+
+/// All faces of a mesh as triangles.
+pub(crate) struct Triangles<'a> {
+    pub(crate) corners: Cow<'a, [[u32; 3]]>,
+    /// The face of each, unless that is its own number.
+    face_of: Option<Vec<u32>>,
+    /// Faces with more than three corners, and with fewer.
+    pub(crate) cut: usize,
+    pub(crate) dropped: usize,
+}
+
+impl<'a> Triangles<'a> {
+    pub(crate) fn new(positions: &[Vec3], faces: &'a Faces) -> Self {
+        if faces.uniform_size() == Some(3) {
+            let corners = Cow::Borrowed(faces.corners().as_chunks::<3>().0);
+            return Self { corners, face_of: None, cut: 0, dropped: 0 };
+        }
+        let (start, corners) = (faces.starts(), faces.corners());
+        let parts = par::map(par::blocks(faces.len(), 1 << 14), |block| {
+            let mut cutter = Triangulator::default();
+            let (mut triangles, mut face_of) = (Vec::new(), Vec::new());
+            for face in block {
+                let own = &corners[start[face] as usize..start[face + 1] as usize];
+                cutter.cut(positions, own, &mut triangles);
+                face_of.resize(triangles.len(), face as u32);
+            }
+            (triangles, face_of)
+        });
+        let each: Vec<&[[u32; 3]]> = parts.iter().map(|(triangles, _)| &triangles[..]).collect();
+        let faces_of: Vec<&[u32]> = parts.iter().map(|(_, face_of)| &face_of[..]).collect();
+        let count = |is: fn(u32) -> bool| start.windows(2).filter(|w| is(w[1] - w[0])).count();
+        Self {
+            corners: Cow::Owned(par::concat(&each)),
+            face_of: Some(par::concat(&faces_of)),
+            cut: count(|n| n > 3),
+            dropped: count(|n| n < 3),
+        }
+    }
+
+    pub(crate) fn face_of(&self, triangle: usize) -> usize {
+        self.face_of.as_ref().map_or(triangle, |of| of[triangle] as usize)
+    }
 }
 
 impl Triangulator {

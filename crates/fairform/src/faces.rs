@@ -46,6 +46,28 @@ impl Faces {
         Self { start: (0..=end).step_by(size as usize).collect(), corners }
     }
 
+    /// Faces from where each begins in `corners`, and the end, as [`starts`](Self::starts) gives them.
+    ///
+    /// ```
+    /// use fairform::Faces;
+    ///
+    /// let faces = Faces::from_starts(vec![0, 3, 3, 7], vec![0, 1, 2, 3, 2, 1, 4]);
+    /// assert_eq!(faces, [&[0, 1, 2][..], &[], &[3, 2, 1, 4]].into_iter().collect());
+    /// ```
+    ///
+    /// # Panics
+    /// If `start` does not rise from zero to the number of corners.
+    #[must_use]
+    pub fn from_starts(start: Vec<u32>, corners: Vec<u32>) -> Self {
+        let ends = (start.first().copied(), start.last().map(|end| *end as usize));
+        let rises = start.is_sorted();
+        assert!(
+            rises && ends == (Some(0), Some(corners.len())),
+            "starts from 0 to the corner count"
+        );
+        Self { start, corners }
+    }
+
     /// Appends a face.
     ///
     /// # Panics

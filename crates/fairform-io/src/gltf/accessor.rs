@@ -9,6 +9,7 @@ use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
 
 use super::json::{Accessor, Document};
 use crate::error::ParseError;
+use crate::par;
 
 /// Elements that may be made from any file, however small.
 const FREE_ELEMENTS: u64 = 1 << 22;
@@ -27,6 +28,10 @@ pub(super) struct Buffers<'a> {
 /// An element type with its number of components.
 const KINDS: [(&str, usize); 7] =
     [("SCALAR", 1), ("VEC2", 2), ("VEC3", 3), ("VEC4", 4), ("MAT2", 4), ("MAT3", 9), ("MAT4", 16)];
+
+/// Numbers of component types.
+const UINT: u32 = 5125;
+const FLOAT: u32 = 5126;
 
 /// Bytes of a component, by its type's number in the file.
 fn component_size(component_type: u32) -> Option<usize> {
@@ -188,7 +193,15 @@ impl<'a> Buffers<'a> {
         let mut out: Vec<[f64; N]> = if let Some(view) = accessor.buffer_view {
             let (bytes, stride) =
                 self.strided((view, accessor.byte_offset), (accessor.count, size), &who)?;
-            (0..accessor.count as usize).map(|i| element(&bytes[i * stride..])).collect()
+            let count = accessor.count as usize;
+            if kind == FLOAT && stride == 4 * N && components == N {
+                // What most files are.
+                let floats = bytes.as_chunks::<4>().0;
+                let number = |i: usize| f64::from(f32::from_le_bytes(floats[i]));
+                par::collect(count, |i| std::array::from_fn(|c| number(N * i + c)))
+            } else {
+                par::collect(count, |i| element(&bytes[i * stride..]))
+            }
         } else {
             let mut zero = [missing; N];
             zero[..components.min(N)].fill(0.0);
@@ -220,12 +233,29 @@ impl<'a> Buffers<'a> {
         Ok(out)
     }
 
+    /// The bytes of indices that are 32-bit words one behind the other, as in most files.
+    fn plain_indices(&self, index: usize) -> Result<Option<&[[u8; 4]]>, ParseError> {
+        let accessor = self.accessor(index)?;
+        let plain = accessor.kind == "SCALAR"
+            && accessor.component_type == UINT
+            && !accessor.normalized
+            && accessor.sparse.is_none();
+        let Some(view) = accessor.buffer_view.filter(|_| plain) else { return Ok(None) };
+        let who = format!("accessor {index}");
+        let (bytes, stride) =
+            self.strided((view, accessor.byte_offset), (accessor.count, 4), &who)?;
+        Ok((stride == 4).then(|| &bytes.as_chunks::<4>().0[..accessor.count as usize]))
+    }
+
     /// The indices of an accessor. The caller has spent room for them.
     pub(super) fn indices(&self, index: usize) -> Result<Vec<u32>, ParseError> {
         let kind = self.accessor(index)?.component_type;
         if !matches!(kind, 5121 | 5123 | 5125) {
             let message = format!("accessor {index} has component type {kind}");
             return Err(ParseError::file(message).expected("whole numbers for indices"));
+        }
+        if let Some(words) = self.plain_indices(index)? {
+            return Ok(par::collect(words.len(), |i| u32::from_le_bytes(words[i])));
         }
         let elements = self.elements::<1>(index, &["SCALAR"], 0.0)?;
         // Normalized indices are against the rules, and would be fractions; they become 0 or 1.

@@ -2,14 +2,15 @@
 
 use std::collections::{HashMap, HashSet};
 
-use fairform::Vec3;
+use fairform::{Faces, Vec3};
 
 use super::accessor::Buffers;
 use super::json::{Attributes, Document, Node, Primitive};
-use crate::data::{LabelBuilder, MeshData, push_face};
+use crate::data::{LabelBuilder, MeshData, too_many_corners};
 use crate::error::{ParseError, Place};
+use crate::par;
 use crate::text::counted;
-use crate::weld::Weld;
+use crate::weld::distinct;
 
 /// A linear map by its columns, and a translation.
 #[derive(Clone, Copy)]
@@ -122,6 +123,15 @@ fn roots(document: &Document, notes: &mut Vec<String>) -> Result<Vec<usize>, Par
     }
 }
 
+/// Adds values behind others, without copying the first.
+fn append<T>(all: &mut Vec<T>, mut values: Vec<T>) {
+    if all.is_empty() {
+        *all = values;
+    } else {
+        all.append(&mut values);
+    }
+}
+
 /// Whether the vertices have an attribute: none so far, all, or some.
 #[derive(Default)]
 struct Optional<T> {
@@ -137,7 +147,7 @@ impl<T: Clone> Optional<T> {
         }
         if let Some(values) = values {
             self.has = true;
-            self.values.extend(values);
+            append(&mut self.values, values);
         } else {
             self.lacks = true;
             self.values.resize(self.values.len() + count, missing.clone());
@@ -149,6 +159,8 @@ struct Reader<'a> {
     document: &'a Document,
     buffers: Buffers<'a>,
     data: MeshData,
+    /// Three for each triangle.
+    corners: Vec<u32>,
     normals: Optional<Vec3>,
     colours: Optional<[f64; 4]>,
     uvs: Optional<[f64; 2]>,
@@ -168,6 +180,7 @@ impl<'a> Reader<'a> {
             document,
             buffers,
             data: MeshData::default(),
+            corners: Vec::new(),
             normals: Optional::default(),
             colours: Optional::default(),
             uvs: Optional::default(),
@@ -229,7 +242,7 @@ impl<'a> Reader<'a> {
             self.posed |= primitive.targets.is_some();
             self.primitive(primitive, map, &mut first_vertex)?;
         }
-        self.groups.fill(self.data.faces.len());
+        self.groups.fill(self.corners.len() / 3);
         Ok(())
     }
 
@@ -268,7 +281,12 @@ impl<'a> Reader<'a> {
             self.buffers.spend(count, "a primitive")?;
             (0..count as u32).collect()
         };
-        if let Some((i, bad)) = indices.iter().enumerate().find(|(_, v)| u64::from(**v) >= count) {
+        // The largest first: it takes less than looking where the first bad one is.
+        let bad = par::max(&indices)
+            .is_some_and(|largest| u64::from(largest) >= count)
+            .then(|| indices.iter().enumerate().find(|(_, v)| u64::from(**v) >= count))
+            .flatten();
+        if let Some((i, bad)) = bad {
             let accessor = primitive.indices.unwrap_or_default();
             let message = format!(
                 "index {i} of accessor {accessor} is vertex {bad}, but the primitive has {count}"
@@ -283,8 +301,8 @@ impl<'a> Reader<'a> {
             }
             None => self.materials.set(String::new()),
         }
-        self.triangles(primitive.mode, &indices, first as u32, map.determinant() < 0.0)?;
-        self.materials.fill(self.data.faces.len());
+        self.triangles(primitive.mode, indices, first as u32, map.determinant() < 0.0)?;
+        self.materials.fill(self.corners.len() / 3);
         Ok(())
     }
 
@@ -333,10 +351,18 @@ impl<'a> Reader<'a> {
 
         // A map that moves nothing must change no bit either.
         let still = map.is_identity();
-        let place = |p: [f64; 3]| if still { p.into() } else { map.point(p.into()) };
-        self.data.positions.extend(positions.into_iter().map(place));
-        let turn = |n: [f64; 3]| if still { n.into() } else { map.normal(n.into()) };
-        let normals = normals.map(|normals| normals.into_iter().map(turn).collect());
+        let mut positions: Vec<Vec3> = bytemuck::cast_vec(positions);
+        if !still {
+            positions.iter_mut().for_each(|p| *p = map.point(*p));
+        }
+        append(&mut self.data.positions, positions);
+        let normals = normals.map(|normals| {
+            let mut normals: Vec<Vec3> = bytemuck::cast_vec(normals);
+            if !still {
+                normals.iter_mut().for_each(|n| *n = map.normal(*n));
+            }
+            normals
+        });
         let count = count as usize;
         self.normals.append(normals, count, &Vec3::ZERO);
         self.colours.append(colours, count, &[1.0; 4]);
@@ -347,20 +373,25 @@ impl<'a> Reader<'a> {
     fn triangles(
         &mut self,
         mode: u32,
-        indices: &[u32],
+        mut indices: Vec<u32>,
         first: u32,
         mirrored: bool,
     ) -> Result<(), ParseError> {
+        if mode == 4 {
+            let rest = indices.len() % 3;
+            self.left_over += rest;
+            indices.truncate(indices.len() - rest);
+            if self.corners.is_empty() && first == 0 && !mirrored {
+                self.corners = std::mem::take(&mut indices);
+            }
+        }
+        let corners = &mut self.corners;
         let mut push = |[a, b, c]: [u32; 3]| {
             let [a, b, c] = if mirrored { [a, c, b] } else { [a, b, c] };
-            push_face(&mut self.data.faces, &[first + a, first + b, first + c], Place::File)
+            corners.extend([first + a, first + b, first + c]);
         };
         match mode {
-            4 => {
-                let (triangles, rest) = indices.as_chunks::<3>();
-                triangles.iter().try_for_each(|t| push(*t))?;
-                self.left_over += rest.len();
-            }
+            4 => indices.as_chunks::<3>().0.iter().for_each(|t| push(*t)),
             5 => {
                 for (i, w) in indices.windows(3).enumerate() {
                     // Every other triangle of a strip turns the other way. Strips repeat a vertex
@@ -368,15 +399,18 @@ impl<'a> Reader<'a> {
                     let [a, b, c] =
                         if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
                     if a != b && b != c && c != a {
-                        push([a, b, c])?;
+                        push([a, b, c]);
                     }
                 }
             }
             _ => {
                 if let Some((&hub, rim)) = indices.split_first() {
-                    rim.windows(2).try_for_each(|w| push([hub, w[0], w[1]]))?;
+                    rim.windows(2).for_each(|w| push([hub, w[0], w[1]]));
                 }
             }
+        }
+        if self.corners.len() > u32::MAX as usize {
+            return Err(too_many_corners(Place::File));
         }
         Ok(())
     }
@@ -415,11 +449,8 @@ impl<'a> Reader<'a> {
             self.data.groups = self.groups.finish();
         }
         self.data.materials = self.materials.finish();
-        let mut weld = Weld::with_capacity(self.data.positions.len());
-        for p in &self.data.positions {
-            weld.vertex(*p);
-        }
-        let doubled = self.data.positions.len() - weld.positions.len();
+        self.data.faces = Faces::uniform(3, self.corners);
+        let doubled = self.data.positions.len() - distinct(&self.data.positions);
         if doubled > 0 {
             let n = counted(doubled, "vertex");
             notes.push(format!(

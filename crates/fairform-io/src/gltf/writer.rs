@@ -1,5 +1,6 @@
 //! One mesh as glTF.
 
+use std::borrow::Cow;
 use std::io::Write;
 
 use base64::Engine;
@@ -10,8 +11,10 @@ use serde_json::{Value, json};
 use crate::data::{MeshData, exact_bytes};
 use crate::error::Error;
 use crate::format::{NORMALS_PER_CORNER, left_out};
+use crate::par;
 use crate::stl::{rounding_note, triangle_notes};
-use crate::triangulate::Triangulator;
+use crate::text::ROWS;
+use crate::triangulate::Triangles;
 
 /// Numbers of component types, buffer targets and primitive modes.
 const BYTE: u32 = 5121;
@@ -23,31 +26,33 @@ const INDICES: u32 = 34963;
 /// The buffer being filled, and the JSON arrays that describe it.
 #[derive(Default)]
 struct Buffer {
-    bytes: Vec<u8>,
+    /// One behind the other.
+    parts: Vec<Vec<u8>>,
+    length: usize,
     views: Vec<Value>,
     accessors: Vec<Value>,
 }
 
 impl Buffer {
     /// Adds an accessor of 4-byte aligned data with a view of its own: its number.
-    fn add(&mut self, bytes: &[u8], target: u32, mut accessor: Value) -> usize {
+    fn add(&mut self, bytes: Vec<u8>, target: u32, mut accessor: Value) -> usize {
         let view = self.views.len();
         self.views.push(json!({
-            "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len(),
+            "buffer": 0, "byteOffset": self.length, "byteLength": bytes.len(),
             "target": target,
         }));
-        self.bytes.extend_from_slice(bytes);
+        self.length += bytes.len();
+        self.parts.push(bytes);
         accessor["bufferView"] = view.into();
         self.accessors.push(accessor);
         self.accessors.len() - 1
     }
 
     fn add_floats<const N: usize>(&mut self, rows: &[[f64; N]], mut accessor: Value) -> usize {
-        let bytes: Vec<u8> =
-            rows.iter().flatten().flat_map(|x| (*x as f32).to_le_bytes()).collect();
+        let words = par::collect(rows.len(), |i| rows[i].map(|x| (x as f32).to_le_bytes()));
         accessor["componentType"] = FLOAT.into();
         accessor["count"] = rows.len().into();
-        self.add(&bytes, VERTICES, accessor)
+        self.add(bytemuck::cast_vec(words), VERTICES, accessor)
     }
 }
 
@@ -57,7 +62,11 @@ pub(crate) fn encode(
     binary: bool,
     out: &mut dyn Write,
 ) -> Result<Vec<String>, Error> {
-    if let Some(v) = data.positions.iter().position(|p| !to_f32(*p).is_finite()) {
+    let bad = |p: &Vec3| !to_f32(*p).is_finite();
+    let blocks = par::map(data.positions.chunks(ROWS), |block| block.iter().any(bad));
+    if blocks.contains(&true)
+        && let Some(v) = data.positions.iter().position(bad)
+    {
         return Err(Error::Unwritable(format!(
             "glTF holds 32-bit finite coordinates only, and vertex {v} has others"
         )));
@@ -80,13 +89,13 @@ pub(crate) fn encode(
         }
         document["accessors"] = buffer.accessors.into();
         document["bufferViews"] = buffer.views.into();
-        document["buffers"] = json!([{ "byteLength": buffer.bytes.len() }]);
+        document["buffers"] = json!([{ "byteLength": buffer.length }]);
     }
     if binary {
-        write_glb(&document, &buffer.bytes, out)?;
+        write_glb(&document, &buffer.parts, out)?;
     } else {
         if !data.positions.is_empty() {
-            let data = STANDARD.encode(&buffer.bytes);
+            let data = STANDARD.encode(buffer.parts.concat());
             document["buffers"][0]["uri"] =
                 format!("data:application/octet-stream;base64,{data}").into();
         }
@@ -112,28 +121,33 @@ fn to_f32(p: Vec3) -> Vec3 {
 }
 
 fn write_attributes(data: &MeshData, buffer: &mut Buffer) -> Value {
-    let arrays = |v: &[Vec3]| v.iter().map(|v| <[f64; 3]>::from(*v)).collect::<Vec<_>>();
-    // The bounds must be those of the rounded coordinates.
-    let rounded: Vec<Vec3> = data.positions.iter().map(|p| to_f32(*p)).collect();
-    let low: [f64; 3] = rounded.iter().copied().fold(rounded[0], Vec3::min).into();
-    let high: [f64; 3] = rounded.iter().copied().fold(rounded[0], Vec3::max).into();
+    // The bounds must be those of the rounded coordinates; rounding keeps the order.
+    let first = data.positions[0];
+    let bounds = par::map(data.positions.chunks(ROWS), |block| {
+        let fold = |f: fn(Vec3, Vec3) -> Vec3| block.iter().copied().fold(block[0], f);
+        (fold(Vec3::min), fold(Vec3::max))
+    });
+    let low = bounds.iter().map(|(low, _)| *low).fold(first, Vec3::min);
+    let high = bounds.iter().map(|(_, high)| *high).fold(first, Vec3::max);
+    let [low, high] = [low, high].map(|p| <[f64; 3]>::from(to_f32(p)));
     let accessor = json!({ "type": "VEC3", "min": low, "max": high });
-    let mut attributes = json!({ "POSITION": buffer.add_floats(&arrays(&rounded), accessor) });
+    let positions: &[[f64; 3]] = bytemuck::cast_slice(&data.positions);
+    let mut attributes = json!({ "POSITION": buffer.add_floats(positions, accessor) });
     if let Some(normals) = &data.normals {
-        let accessor = buffer.add_floats(&arrays(normals), json!({ "type": "VEC3" }));
+        let normals: &[[f64; 3]] = bytemuck::cast_slice(normals);
+        let accessor = buffer.add_floats(normals, json!({ "type": "VEC3" }));
         attributes["NORMAL"] = accessor.into();
     }
     if let Some(colours) = &data.colours {
         let bytes: Option<Vec<[u8; 4]>> = colours.iter().map(exact_bytes).collect();
         let accessor = match bytes {
-            Some(bytes) => buffer.add(
-                bytes.as_flattened(),
-                VERTICES,
-                json!({
+            Some(bytes) => {
+                let accessor = json!({
                     "type": "VEC4", "componentType": BYTE, "normalized": true,
                     "count": bytes.len(),
-                }),
-            ),
+                });
+                buffer.add(bytemuck::cast_vec(bytes), VERTICES, accessor)
+            }
             None => buffer.add_floats(colours, json!({ "type": "VEC4" })),
         };
         attributes["COLOR_0"] = accessor.into();
@@ -153,16 +167,18 @@ fn write_primitives(
     notes: &mut Vec<String>,
 ) -> (Vec<Value>, Vec<Value>) {
     let names = data.materials.as_ref().map_or(&[][..], |m| &m.names);
-    let mut triangles = vec![Vec::new(); names.len().max(1)];
-    let mut cutter = Triangulator::default();
-    let (mut cut, mut dropped) = (0, 0);
-    for (face, corners) in data.faces.iter().enumerate() {
-        let material = data.materials.as_ref().map_or(0, |m| m.of_face[face] as usize);
-        cutter.cut(&data.positions, corners, &mut triangles[material]);
-        cut += usize::from(corners.len() > 3);
-        dropped += usize::from(corners.len() < 3);
-    }
-    notes.extend(triangle_notes(cut, dropped));
+    let all = Triangles::new(&data.positions, &data.faces);
+    notes.extend(triangle_notes(all.cut, all.dropped));
+    let triangles = match &data.materials {
+        Some(materials) if names.len() > 1 => {
+            let mut triangles = vec![Vec::new(); names.len()];
+            for (i, triangle) in all.corners.iter().enumerate() {
+                triangles[materials.of_face[all.face_of(i)] as usize].push(*triangle);
+            }
+            triangles.into_iter().map(Cow::Owned).collect()
+        }
+        _ => vec![all.corners],
+    };
     let used = triangles.iter().filter(|t| !t.is_empty()).count();
     let unsorted = data.materials.as_ref().is_some_and(|m| !m.of_face.is_sorted());
     if used > 1 && unsorted {
@@ -171,12 +187,12 @@ fn write_primitives(
     let mut primitives = Vec::new();
     let mut materials = Vec::new();
     for (i, triangles) in triangles.iter().enumerate().filter(|(_, t)| !t.is_empty()) {
-        let bytes: Vec<u8> = triangles.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+        let words = par::collect(triangles.len(), |i| triangles[i].map(u32::to_le_bytes));
         let accessor = json!({
             "type": "SCALAR", "componentType": UINT, "count": 3 * triangles.len(),
         });
         let mut primitive = json!({
-            "attributes": attributes, "indices": buffer.add(&bytes, INDICES, accessor),
+            "attributes": attributes, "indices": buffer.add(bytemuck::cast_vec(words), INDICES, accessor),
         });
         if let Some(name) = names.get(i).filter(|name| !name.is_empty()) {
             primitive["material"] = materials.len().into();
@@ -191,11 +207,12 @@ fn write_primitives(
     (primitives, materials)
 }
 
-fn write_glb(document: &Value, binary: &[u8], out: &mut dyn Write) -> Result<(), Error> {
+fn write_glb(document: &Value, binary: &[Vec<u8>], out: &mut dyn Write) -> Result<(), Error> {
     let mut json = serde_json::to_vec(document).map_err(std::io::Error::from)?;
     // Chunks are multiples of 4 bytes; the buffer holds nothing but such.
     json.resize(json.len().next_multiple_of(4), b' ');
-    let chunk = if binary.is_empty() { 0 } else { 8 + binary.len() };
+    let size: usize = binary.iter().map(Vec::len).sum();
+    let chunk = if size == 0 { 0 } else { 8 + size };
     let length = 12 + 8 + json.len() + chunk;
     let Ok(length) = u32::try_from(length) else {
         return Err(Error::Unwritable(format!(
@@ -208,10 +225,10 @@ fn write_glb(document: &Value, binary: &[u8], out: &mut dyn Write) -> Result<(),
     out.write_all(&(json.len() as u32).to_le_bytes())?;
     out.write_all(b"JSON")?;
     out.write_all(&json)?;
-    if !binary.is_empty() {
-        out.write_all(&(binary.len() as u32).to_le_bytes())?;
+    if size > 0 {
+        out.write_all(&(size as u32).to_le_bytes())?;
         out.write_all(b"BIN\0")?;
-        out.write_all(binary)?;
+        binary.iter().try_for_each(|part| out.write_all(part))?;
     }
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 use super::header::{Element, Property, Scalar};
 use crate::error::{ParseError, Place};
+use crate::par;
 use crate::text::Scanner;
 
 /// How a message begins that says the file ends in a row; how many rows there are is then said too.
@@ -36,6 +37,12 @@ pub(super) trait Body {
     fn rows(&mut self, _: &Element<'_>) -> Option<Rows<'_>> {
         None
     }
+    /// What is left, if it is binary in little-endian order.
+    fn little(&self) -> Option<&[u8]> {
+        None
+    }
+    /// Goes over bytes of [`little`](Self::little).
+    fn advance(&mut self, _: usize) {}
 }
 
 /// The rows of an element as bytes.
@@ -43,6 +50,35 @@ pub(super) struct Rows<'a> {
     pub(super) bytes: &'a [u8],
     pub(super) size: usize,
     pub(super) read: fn(Scalar, &[u8]) -> f64,
+    little: bool,
+}
+
+impl Rows<'_> {
+    /// `N` numbers of each row: their types, and where they are in it.
+    pub(super) fn columns<const N: usize>(&self, at: [(Scalar, usize); N]) -> Vec<[f64; N]> {
+        let same = |scalar| self.little && at.iter().all(|(of, _)| *of == scalar);
+        let count = self.bytes.len() / self.size;
+        let row = |i: usize| &self.bytes[i * self.size..][..self.size];
+        // The usual types by themselves: a type that is known is read several times as fast.
+        if same(Scalar::F64) {
+            return par::collect(count, |i| at.map(|(_, at)| real(row(i), at)));
+        }
+        if same(Scalar::F32) {
+            return par::collect(count, |i| at.map(|(_, at)| f64::from(single(row(i), at))));
+        }
+        if same(Scalar::U8) {
+            return par::collect(count, |i| at.map(|(_, at)| f64::from(row(i)[at])));
+        }
+        par::collect(count, |i| at.map(|(scalar, at)| (self.read)(scalar, &row(i)[at..])))
+    }
+}
+
+fn real(row: &[u8], at: usize) -> f64 {
+    row[at..].first_chunk().map_or(f64::NAN, |bytes| f64::from_le_bytes(*bytes))
+}
+
+fn single(row: &[u8], at: usize) -> f32 {
+    row[at..].first_chunk().map_or(f32::NAN, |bytes| f32::from_le_bytes(*bytes))
 }
 
 pub(super) struct AsciiBody<'a> {
@@ -209,6 +245,14 @@ impl<const BIG: bool> Body for BinaryBody<'_, BIG> {
         let length = usize::try_from(element.count).ok()?.checked_mul(size)?;
         let bytes = self.bytes.get(self.at..self.at.checked_add(length)?)?;
         self.at += length;
-        Some(Rows { bytes, size, read: Scalar::read::<BIG> })
+        Some(Rows { bytes, size, read: Scalar::read::<BIG>, little: !BIG })
+    }
+
+    fn little(&self) -> Option<&[u8]> {
+        (!BIG).then(|| &self.bytes[self.at..])
+    }
+
+    fn advance(&mut self, count: usize) {
+        self.at += count;
     }
 }

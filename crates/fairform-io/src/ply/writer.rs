@@ -1,68 +1,79 @@
 //! Writing PLY.
 
 use std::io::Write;
+use std::ops::Range;
 
 use crate::data::{MeshData, WriteOptions, exact_bytes};
 use crate::error::Error;
 use crate::format::{NORMALS_PER_CORNER, left_out};
-use crate::text::NumberWriter;
+use crate::par;
+use crate::text::{NumberWriter, ROWS};
 
-/// Writes numbers of the body: text, or binary in little-endian order.
+/// Appends numbers of the body: text, or binary in little-endian order.
 struct RowWriter<'a> {
-    out: &'a mut dyn Write,
+    out: &'a mut Vec<u8>,
     numbers: NumberWriter,
     ascii: bool,
     single: bool,
     row_begun: bool,
 }
 
-impl RowWriter<'_> {
-    fn part(&mut self) -> Result<(), Error> {
+impl<'a> RowWriter<'a> {
+    fn new(options: &WriteOptions, out: &'a mut Vec<u8>) -> Self {
+        Self {
+            out,
+            numbers: NumberWriter::new(options.single_precision),
+            ascii: options.ascii,
+            single: options.single_precision,
+            row_begun: false,
+        }
+    }
+
+    fn part(&mut self) {
         if self.row_begun {
-            self.out.write_all(b" ")?;
+            self.out.push(b' ');
         }
         self.row_begun = true;
-        Ok(())
     }
 
-    fn real(&mut self, value: f64) -> Result<(), Error> {
+    fn reals<const N: usize>(&mut self, values: [f64; N]) {
         if self.ascii {
-            self.part()?;
-            self.numbers.write(self.out, value)?;
+            for value in values {
+                self.part();
+                self.numbers.write(self.out, value);
+            }
         } else if self.single {
-            self.out.write_all(&(value as f32).to_le_bytes())?;
+            let bytes = values.map(|value| (value as f32).to_le_bytes());
+            self.out.extend_from_slice(bytes.as_flattened());
         } else {
-            self.out.write_all(&value.to_le_bytes())?;
+            let bytes = values.map(f64::to_le_bytes);
+            self.out.extend_from_slice(bytes.as_flattened());
         }
-        Ok(())
     }
 
-    fn byte(&mut self, value: u8) -> Result<(), Error> {
+    fn byte(&mut self, value: u8) {
         if self.ascii {
-            self.part()?;
-            write!(self.out, "{value}")?;
+            self.part();
+            self.numbers.whole(self.out, value.into());
         } else {
-            self.out.write_all(&[value])?;
+            self.out.push(value);
         }
-        Ok(())
     }
 
-    fn index(&mut self, value: u32) -> Result<(), Error> {
+    fn index(&mut self, value: u32) {
         if self.ascii {
-            self.part()?;
-            write!(self.out, "{value}")?;
+            self.part();
+            self.numbers.whole(self.out, value.into());
         } else {
-            self.out.write_all(&value.to_le_bytes())?;
+            self.out.extend_from_slice(&value.to_le_bytes());
         }
-        Ok(())
     }
 
-    fn end(&mut self) -> Result<(), Error> {
+    fn end(&mut self) {
         if self.ascii {
-            self.out.write_all(b"\n")?;
+            self.out.push(b'\n');
         }
         self.row_begun = false;
-        Ok(())
     }
 }
 
@@ -109,15 +120,12 @@ pub(crate) fn encode(
     }
     writeln!(out, "end_header")?;
 
-    let mut rows = RowWriter {
-        out,
-        numbers: NumberWriter::new(options.single_precision),
-        ascii: options.ascii,
-        single: options.single_precision,
-        row_begun: false,
-    };
-    write_vertices(data, bytes.as_deref(), &mut rows)?;
-    write_faces(data, short_lists, &mut rows)?;
+    par::write_rows(out, vertices, ROWS, |rows, out| {
+        vertex_rows(data, bytes.as_deref(), rows, &mut RowWriter::new(options, out));
+    })?;
+    par::write_rows(out, data.faces.len(), ROWS, |rows, out| {
+        face_rows(data, short_lists, rows, &mut RowWriter::new(options, out));
+    })?;
     Ok(left_out(
         &[
             (data.corner_normals.is_some(), NORMALS_PER_CORNER),
@@ -130,44 +138,44 @@ pub(crate) fn encode(
     ))
 }
 
-fn write_vertices(
+/// Appends the rows of some vertices.
+fn vertex_rows(
     data: &MeshData,
     bytes: Option<&[[u8; 4]]>,
-    rows: &mut RowWriter<'_>,
-) -> Result<(), Error> {
-    for (i, &position) in data.positions.iter().enumerate() {
-        <[f64; 3]>::from(position).into_iter().try_for_each(|x| rows.real(x))?;
+    rows: Range<usize>,
+    out: &mut RowWriter<'_>,
+) {
+    for i in rows {
+        out.reals(<[f64; 3]>::from(data.positions[i]));
         if let Some(normals) = &data.normals {
-            <[f64; 3]>::from(normals[i]).into_iter().try_for_each(|x| rows.real(x))?;
+            out.reals(<[f64; 3]>::from(normals[i]));
         }
         if let Some(bytes) = bytes {
-            bytes[i].into_iter().try_for_each(|b| rows.byte(b))?;
+            bytes[i].into_iter().for_each(|b| out.byte(b));
         } else if let Some(colours) = &data.colours {
-            colours[i].into_iter().try_for_each(|c| rows.real(c))?;
+            out.reals(colours[i]);
         }
         if let Some(uvs) = &data.uvs {
-            uvs[i].into_iter().try_for_each(|x| rows.real(x))?;
+            out.reals(uvs[i]);
         }
-        rows.end()?;
+        out.end();
     }
-    Ok(())
 }
 
-fn write_faces(data: &MeshData, short_lists: bool, rows: &mut RowWriter<'_>) -> Result<(), Error> {
-    let mut corner = 0;
-    for face in data.faces.iter() {
-        let length = |rows: &mut RowWriter<'_>, n: usize| {
-            if short_lists { rows.byte(n as u8) } else { rows.index(n as u32) }
-        };
-        length(rows, face.len())?;
-        face.iter().try_for_each(|v| rows.index(*v))?;
+/// Appends the rows of some faces.
+fn face_rows(data: &MeshData, short_lists: bool, rows: Range<usize>, out: &mut RowWriter<'_>) {
+    let length = |out: &mut RowWriter<'_>, n: usize| {
+        if short_lists { out.byte(n as u8) } else { out.index(n as u32) }
+    };
+    let (start, corners) = (data.faces.starts(), data.faces.corners());
+    for face in rows {
+        let own = start[face] as usize..start[face + 1] as usize;
+        length(out, own.len());
+        corners[own.clone()].iter().for_each(|v| out.index(*v));
         if let Some(uvs) = &data.corner_uvs {
-            let uvs = &uvs[corner..corner + face.len()];
-            length(rows, 2 * face.len())?;
-            uvs.iter().flatten().try_for_each(|x| rows.real(*x))?;
+            length(out, 2 * own.len());
+            uvs[own].iter().for_each(|uv| out.reals(*uv));
         }
-        corner += face.len();
-        rows.end()?;
+        out.end();
     }
-    Ok(())
 }
