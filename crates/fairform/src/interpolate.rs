@@ -533,7 +533,7 @@ enum Solver {
 }
 
 /// The exponent of the power of two that is to be divided out, so that all is about one.
-fn exponent(target: &[Vec3]) -> Result<i32, Error> {
+pub(crate) fn exponent(target: &[Vec3]) -> Result<i32, Error> {
     let blocks = par::blocks(target.len(), |range| {
         range.fold(0.0_f64, |largest, v| {
             assert!(target[v].is_finite(), "target {v} is finite");
@@ -548,7 +548,7 @@ fn exponent(target: &[Vec3]) -> Result<i32, Error> {
     Ok(if largest == 0.0 { 0 } else { libm::ilogb(largest) })
 }
 
-fn ldexp(v: Vec3, exponent: i32) -> Vec3 {
+pub(crate) fn ldexp(v: Vec3, exponent: i32) -> Vec3 {
     if exponent == 0 {
         return v;
     }

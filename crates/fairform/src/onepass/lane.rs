@@ -1,0 +1,53 @@
+//! Points in registers: three coordinates and one lane that is not used.
+
+/// A value of the kernels: `[f32; 4]` for the iteration, `[f64; 4]` for what must be exact.
+pub(super) trait Lane: Copy {
+    const ZERO: Self;
+
+    fn plus(self, other: Self) -> Self;
+
+    fn times(self, factor: f64) -> Self;
+}
+
+impl Lane for [f32; 4] {
+    const ZERO: Self = [0.0; 4];
+
+    #[inline(always)]
+    fn plus(self, b: Self) -> Self {
+        [self[0] + b[0], self[1] + b[1], self[2] + b[2], self[3] + b[3]]
+    }
+
+    #[inline(always)]
+    fn times(self, factor: f64) -> Self {
+        let a = factor as f32;
+        [a * self[0], a * self[1], a * self[2], a * self[3]]
+    }
+}
+
+impl Lane for [f64; 4] {
+    const ZERO: Self = [0.0; 4];
+
+    #[inline(always)]
+    fn plus(self, b: Self) -> Self {
+        [self[0] + b[0], self[1] + b[1], self[2] + b[2], self[3] + b[3]]
+    }
+
+    #[inline(always)]
+    fn times(self, a: f64) -> Self {
+        [a * self[0], a * self[1], a * self[2], a * self[3]]
+    }
+}
+
+/// Values that `u16` index without looking.
+pub(super) type Values<L> = [L; 1 << 16];
+
+/// A value for every index; the system hands out the memory as it is touched.
+macro_rules! values {
+    ($zero:expr) => {
+        match alloc::vec![$zero; 1 << 16].into_boxed_slice().try_into() {
+            Ok(values) => values,
+            Err(_) => unreachable!("so many values"),
+        }
+    };
+}
+pub(super) use values;
