@@ -17,12 +17,16 @@ pub(super) const DOO_SABIN: u8 = 2;
 pub(super) struct Kernel {
     pub(super) scheme: Scheme,
     /// Weights in the limit point by valence: the vertex, and the sums of its neighbours and its faces.
-    weights: Vec<[f64; 3]>,
+    weights: Weights<f64>,
+    weights32: Weights<f32>,
     /// One over the number of corners.
     share: Vec<f64>,
     /// Chebyshev's numbers, one pair per step.
     steps: Vec<(f64, f64)>,
 }
+
+/// Weights that a valence indexes without looking.
+type Weights<R> = Box<[[R; 3]; 256]>;
 
 /// Values of one patch at a time.
 pub(super) struct Scratch {
@@ -80,7 +84,7 @@ impl<'o> Sink<'o> {
 
 /// A limit point, as sums over what it is made from.
 enum Sums<L> {
-    Smooth { n: usize, ring: L, faces: L },
+    Smooth { n: u8, ring: L, faces: L },
     Whole(L),
 }
 
@@ -120,8 +124,9 @@ fn minus(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
 impl Kernel {
     /// For eigenvalues from `smallest` to 1.
     pub(super) fn new(scheme: Scheme, steps: Vec<(f64, f64)>) -> Self {
-        let weights = (0..u32::from(SPECIAL))
-            .map(|n| match scheme {
+        let weights: Weights<f64> = Box::new(core::array::from_fn(|n| {
+            let n = n as u32;
+            match scheme {
                 Scheme::Loop if n >= 2 => {
                     let own = loop_scheme::limit_weight(n);
                     [own, (1.0 - own) / f64::from(n), 0.0]
@@ -129,10 +134,11 @@ impl Kernel {
                 Scheme::CatmullClark if n >= 2 => catmull_clark::limit_weights(n),
                 Scheme::DooSabin if n >= 2 => [0.0, 0.0, 1.0 / f64::from(n)],
                 _ => [1.0, 0.0, 0.0],
-            })
-            .collect();
+            }
+        }));
+        let weights32 = Box::new(weights.map(|w| w.map(|w| w as f32)));
         let share = (0..=u32::from(WRITTEN)).map(|n| 1.0 / f64::from(n.max(1))).collect();
-        Self { scheme, weights, share, steps }
+        Self { scheme, weights, weights32, share, steps }
     }
 
     /// Level 0: control points. Returns the largest distance of their limit points from the vertices.
@@ -166,7 +172,7 @@ impl Kernel {
         let mut largest = Largest::default();
         let vertices = &patch.vertices;
         self.visit::<SCHEME, _>(patch, 0, x, face, |i, sums| {
-            let limit = self.whole::<SCHEME>(patch, i, x[i], &sums);
+            let limit = Self::whole::<SCHEME, _>(&self.weights, patch, i, x[i], &sums);
             largest.add(minus(lanes(target[vertices[i] as usize]), limit));
             out.push(x[i]);
         });
@@ -203,13 +209,13 @@ impl Kernel {
         let mut made = MadeRows::new(&patch.made);
         self.visit::<LOOP, _>(patch, 0, x, face, |i, sums| {
             let goal = lanes(target[patch.vertices[i] as usize]);
-            let limit = self.whole::<LOOP>(patch, i, x[i], &sums);
+            let limit = Self::whole::<LOOP, _>(&self.weights, patch, i, x[i], &sums);
             largest.add(minus(goal, limit));
             out.push(match sums {
                 Sums::Whole(_) => made.next(goal, x),
                 Sums::Smooth { n, .. } => {
                     // The mean of the points on the edges is 3/8 x + 5/8 of the mean of the ring.
-                    let own = self.weights[n][0];
+                    let own = self.weights[usize::from(n)][0];
                     let rest = x[i].times(0.375 - own).plus(limit.times(0.625));
                     minus(goal, rest).times(1.0 / own)
                 }
@@ -240,13 +246,13 @@ impl Kernel {
         let mut made = MadeRows::new(&patch.made);
         self.visit::<CATMULL_CLARK, _>(patch, 0, x, face, |i, sums| {
             let goal = lanes(target[patch.vertices[i] as usize]);
-            let limit = self.whole::<CATMULL_CLARK>(patch, i, x[i], &sums);
+            let limit = Self::whole::<CATMULL_CLARK, _>(&self.weights, patch, i, x[i], &sums);
             largest.add(minus(goal, limit));
             out.push(match sums {
                 Sums::Whole(_) => made.next(goal, x),
                 Sums::Smooth { n, ring, faces } => {
                     // Four times the points on the edges and those in the faces.
-                    let n = n as f64;
+                    let n = f64::from(n);
                     let rest = x[i].times(n).plus(ring).plus(faces.times(3.0));
                     minus(goal.times(n * (n + 5.0)), rest).times(1.0 / (n * n))
                 }
@@ -281,7 +287,7 @@ impl Kernel {
         left.clear();
         self.visit::<DOO_SABIN, _>(patch, 0, x, face, |i, sums| {
             let goal = lanes(target[patch.vertices[i] as usize]);
-            let rest = minus(goal, self.whole::<DOO_SABIN>(patch, i, x[i], &sums));
+            let rest = minus(goal, Self::whole::<DOO_SABIN, _>(&self.weights, patch, i, x[i], &sums));
             largest.add(rest);
             left.push(rest);
         });
@@ -299,36 +305,22 @@ impl Kernel {
 
     /// A limit point from its sums.
     #[inline(always)]
-    fn whole<const SCHEME: u8>(
-        &self,
+    fn whole<const SCHEME: u8, L: Lane>(
+        weights: &Weights<L::Real>,
         patch: &Patch,
         i: usize,
-        x: [f64; 4],
-        sums: &Sums<[f64; 4]>,
-    ) -> [f64; 4] {
-        match *sums {
-            Sums::Whole(limit) => limit,
-            Sums::Smooth { n, ring, faces } => {
-                self.weigh::<SCHEME, _>(patch, i, n, x, ring, faces)
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn weigh<const SCHEME: u8, L: Lane>(
-        &self,
-        patch: &Patch,
-        i: usize,
-        n: usize,
         x: L,
-        ring: L,
-        faces: L,
+        sums: &Sums<L>,
     ) -> L {
-        let [own, edge, face] = self.weights[n];
+        let Sums::Smooth { n, ring, faces } = *sums else {
+            let Sums::Whole(limit) = *sums else { unreachable!() };
+            return limit;
+        };
+        let [own, edge, face] = weights[usize::from(n)];
         match SCHEME {
             LOOP => x.times(own).plus(ring.times(edge)),
             CATMULL_CLARK => x.times(own).plus(ring.times(edge)).plus(faces.times(face)),
-            _ => x.times(patch.centre[i]).plus(faces.times(face)),
+            _ => x.times(L::real(patch.centre[i])).plus(faces.times(face)),
         }
     }
 
@@ -349,7 +341,7 @@ impl Kernel {
         let first = first as f32;
         let reach = self.steps.len();
         self.visit::<SCHEME, _>(patch, reach, x, face, |i, sums| {
-            let limit = self.whole::<SCHEME>(patch, i, x[i], &sums);
+            let limit = Self::whole::<SCHEME, _>(&self.weights, patch, i, x[i], &sums);
             let r = narrow(minus(x[i], limit), scale[0]);
             residual[i] = r;
             now[i] = r.map(|r| first * r);
@@ -360,12 +352,7 @@ impl Kernel {
             let (a, b) = (a as f32, b as f32);
             self.visit::<SCHEME, _>(patch, reach - 1 - k, now, face32, |i, sums| {
                 let own = now[i];
-                let limit = match sums {
-                    Sums::Whole(limit) => limit,
-                    Sums::Smooth { n, ring, faces } => {
-                        self.weigh::<SCHEME, _>(patch, i, n, own, ring, faces)
-                    }
-                };
+                let limit = Self::whole::<SCHEME, _>(&self.weights32, patch, i, own, &sums);
                 let (before, r) = (other[i], residual[i]);
                 other[i] = core::array::from_fn(|j| {
                     own[j] + b * (r[j] - limit[j]) + a * (own[j] - before[j])
@@ -393,28 +380,28 @@ impl Kernel {
         if SCHEME != LOOP {
             self.faces::<SCHEME, L>(patch, patch.faces.ends[distance] as usize, x, face);
         }
-        let at = |q: u16| x[usize::from(q)];
-        let of_face = |f: u16| face[usize::from(f)];
         let mut ring = patch.ring.as_slice();
         let mut written = MadeRows::new(&patch.limit);
         for (i, &n) in patch.valence[..patch.ends[distance] as usize].iter().enumerate() {
-            if n == SPECIAL {
-                visit(i, Sums::Whole(written.next(L::ZERO, x)));
-                continue;
-            }
-            let n = usize::from(n);
-            let mut sums = [L::ZERO; 2];
-            if SCHEME != DOO_SABIN {
-                let (own, rest) = ring.split_at(n);
-                ring = rest;
-                sums[0] = sum::<L, 6, 4>(own, at);
-            }
-            if SCHEME != LOOP {
-                let (own, rest) = ring.split_at(n);
-                ring = rest;
-                sums[1] = sum::<L, 4, 3>(own, of_face);
-            }
-            visit(i, Sums::Smooth { n, ring: sums[0], faces: sums[1] });
+            // Of sixteen bits, so that it indexes without looking.
+            let i = usize::from(i as u16);
+            let sums = if n == SPECIAL {
+                Sums::Whole(written.next(L::ZERO, x))
+            } else {
+                let mut sums = [L::ZERO; 2];
+                if SCHEME != DOO_SABIN {
+                    let (own, rest) = ring.split_at(usize::from(n));
+                    ring = rest;
+                    sums[0] = sum::<L, 6>(own, x);
+                }
+                if SCHEME != LOOP {
+                    let (own, rest) = ring.split_at(usize::from(n));
+                    ring = rest;
+                    sums[1] = sum::<L, 4>(own, face);
+                }
+                Sums::Smooth { n, ring: sums[0], faces: sums[1] }
+            };
+            visit(i, sums);
         }
     }
 
@@ -437,21 +424,24 @@ impl Kernel {
                     weight *= 1.0 - lambda;
                 }
             }
-            face[f] = sum::<L, 4, 3>(own, |q| x[usize::from(q)]).times(weight);
+            face[usize::from(f as u16)] = sum::<L, 4>(own, x).times(L::real(weight));
         }
     }
 }
 
-/// A sum in the order of its terms, the two usual numbers of them unrolled.
+/// A sum in the order of its terms, the usual number of them unrolled.
 #[inline(always)]
-fn sum<L: Lane, const M: usize, const N: usize>(list: &[u16], value: impl Fn(u16) -> L) -> L {
-    if let Ok(list) = <&[u16; M]>::try_from(list) {
-        return list[1..].iter().fold(value(list[0]), |sum, &q| sum.plus(value(q)));
+fn sum<L: Lane, const USUAL: usize>(list: &[u16], values: &Values<L>) -> L {
+    let Ok(list) = <&[u16; USUAL]>::try_from(list) else { return long_sum(list, values) };
+    let mut sum = values[usize::from(list[0])];
+    for &q in &list[1..] {
+        sum = sum.plus(values[usize::from(q)]);
     }
-    if let Ok(list) = <&[u16; N]>::try_from(list) {
-        return list[1..].iter().fold(value(list[0]), |sum, &q| sum.plus(value(q)));
-    }
-    list.iter().fold(L::ZERO, |sum, &q| sum.plus(value(q)))
+    sum
+}
+
+fn long_sum<L: Lane>(list: &[u16], values: &Values<L>) -> L {
+    list.iter().fold(L::ZERO, |sum, &q| sum.plus(values[usize::from(q)]))
 }
 
 /// Rows written out, one after the other.
@@ -468,9 +458,9 @@ impl<'p> MadeRows<'p> {
     #[inline(never)]
     fn next<L: Lane>(&mut self, target: L, x: &Values<L>) -> L {
         let [from, to] = [0, 1].map(|j| self.rows.start[self.next + j] as usize);
-        let own = target.times(self.rows.target[self.next]);
+        let own = target.times(L::real(self.rows.target[self.next]));
         self.next += 1;
         let entries = self.rows.entries[from..to].iter();
-        entries.fold(own, |sum, &(q, weight)| sum.plus(x[usize::from(q)].times(weight)))
+        entries.fold(own, |sum, &(q, weight)| sum.plus(x[usize::from(q)].times(L::real(weight))))
     }
 }

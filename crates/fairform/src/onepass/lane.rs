@@ -2,14 +2,21 @@
 
 /// A value of the kernels: `[f32; 4]` for the iteration, `[f64; 4]` for what must be exact.
 pub(super) trait Lane: Copy {
+    /// Its coordinates.
+    type Real: Copy;
+
     const ZERO: Self;
+
+    fn real(x: f64) -> Self::Real;
 
     fn plus(self, other: Self) -> Self;
 
-    fn times(self, factor: f64) -> Self;
+    fn times(self, factor: Self::Real) -> Self;
 }
 
 impl Lane for [f32; 4] {
+    type Real = f32;
+
     const ZERO: Self = [0.0; 4];
 
     #[inline(always)]
@@ -18,18 +25,29 @@ impl Lane for [f32; 4] {
     }
 
     #[inline(always)]
-    fn times(self, factor: f64) -> Self {
-        let a = factor as f32;
+    fn real(x: f64) -> f32 {
+        x as f32
+    }
+
+    #[inline(always)]
+    fn times(self, a: f32) -> Self {
         [a * self[0], a * self[1], a * self[2], a * self[3]]
     }
 }
 
 impl Lane for [f64; 4] {
+    type Real = f64;
+
     const ZERO: Self = [0.0; 4];
 
     #[inline(always)]
     fn plus(self, b: Self) -> Self {
         [self[0] + b[0], self[1] + b[1], self[2] + b[2], self[3] + b[3]]
+    }
+
+    #[inline(always)]
+    fn real(x: f64) -> f64 {
+        x
     }
 
     #[inline(always)]
