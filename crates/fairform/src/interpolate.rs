@@ -28,8 +28,10 @@ use crate::solve::LinearOperator as Operator;
 use crate::solve::direct::Entries as Operator;
 
 mod level_one;
+mod one_pass;
 
 pub use level_one::{Fit, fit_mesh};
+pub use one_pass::{Certificate, MOST_STEPS};
 
 /// How control points are found. All methods have the same answer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -49,11 +51,15 @@ pub enum Method {
     /// Factorising, with the feature `direct`.
     #[cfg(feature = "direct")]
     Direct,
+    /// Chebyshev's recurrence patch by patch, in one pass over memory, for the spectrum that meshes have
+    /// in practice, see [`onepass`](crate::onepass); then [`Auto`](Self::Auto) from there, if the
+    /// tolerance was missed. Makes at most [`MOST_STEPS`] updates.
+    OnePass,
 }
 
 impl Method {
     /// All methods.
-    pub const ALL: [Self; 5 + cfg!(feature = "direct") as usize] = [
+    pub const ALL: [Self; 6 + cfg!(feature = "direct") as usize] = [
         Self::Auto,
         Self::Plain,
         Self::Weighted,
@@ -61,6 +67,7 @@ impl Method {
         Self::ConjugateGradients,
         #[cfg(feature = "direct")]
         Self::Direct,
+        Self::OnePass,
     ];
 
     /// Whether it needs a symmetric operator, see [`Error::NotSymmetric`].
@@ -84,6 +91,7 @@ impl Method {
             Self::ConjugateGradients => "cg",
             #[cfg(feature = "direct")]
             Self::Direct => "direct",
+            Self::OnePass => "one-pass",
         }
     }
 }
@@ -150,9 +158,9 @@ macro_rules! from_name {
     )*};
 }
 #[cfg(not(feature = "direct"))]
-const METHODS: &str = "auto, plain, weighted, chebyshev, cg";
+const METHODS: &str = "auto, plain, weighted, chebyshev, cg, one-pass";
 #[cfg(feature = "direct")]
-const METHODS: &str = "auto, plain, weighted, chebyshev, cg, direct";
+const METHODS: &str = "auto, plain, weighted, chebyshev, cg, direct, one-pass";
 
 from_name!(Method: METHODS, Norm: "diagonal, longest-side, absolute");
 
@@ -226,6 +234,8 @@ pub enum StageName {
     Boundary,
     /// All others, with the boundary known.
     Interior,
+    /// All vertices at once, whatever they lie on.
+    Whole,
     /// Fairing, which comes last and is no stage of a report. Its errors are about how far points still
     /// have to go.
     Fairing,
@@ -239,6 +249,7 @@ impl StageName {
             Self::Closed => "closed",
             Self::Boundary => "boundary",
             Self::Interior => "interior",
+            Self::Whole => "whole",
             Self::Fairing => "fairing",
         }
     }
@@ -278,6 +289,8 @@ pub struct FitReport {
     pub pushed_back: Option<f64>,
     /// What fairing did, if it was asked for. Its energies are in units of [`unit`](Self::unit) squared.
     pub fairing: Option<Fairing>,
+    /// What is known of a fit in one pass, before and after it.
+    pub certificate: Option<Certificate>,
 }
 
 impl FitReport {
@@ -418,6 +431,9 @@ impl<'t> Interpolator<'t> {
         observer: &mut Observer<'_>,
     ) -> Result<(Vec<Vec3>, FitReport), Error> {
         let scaled = self.scaled(target, options)?;
+        if options.method == Method::OnePass && !self.stages.is_empty() {
+            return self.fit_in_one_pass(scaled, options, observer);
+        }
         let solver = Solver::Method(options.method);
         let (control, stages) = self.solve(&scaled, solver, scaled.stop, observer)?;
         let limit = limit_points(self.topology, &control, self.rules)?;
@@ -486,6 +502,7 @@ impl<'t> Interpolator<'t> {
             unit: libm::ldexp(unit, scaled.exponent),
             pushed_back: None,
             fairing: None,
+            certificate: None,
         }
     }
 
@@ -609,7 +626,7 @@ fn run<A: Operator>(
         return solve::stationary(operator, target, x, interval, stop, observer);
     };
     let interval = match method {
-        Method::Auto => Interval::Hopeful { usual, guaranteed },
+        Method::Auto | Method::OnePass => Interval::Hopeful { usual, guaranteed },
         Method::Plain => Interval::Plain,
         Method::Weighted => Interval::Weighted { smallest: guaranteed },
         Method::Chebyshev => Interval::Chebyshev { smallest: guaranteed },

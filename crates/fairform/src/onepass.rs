@@ -30,7 +30,7 @@ mod patch;
 mod special;
 
 use cut::{Groups, Rings, Run};
-use kernel::{Kernel, Scratch, Sink};
+use kernel::{Distances, Kernel, Scratch, Sink};
 use patch::{Maker, Numbers, Patch};
 use special::Special;
 
@@ -76,6 +76,8 @@ pub struct Summary {
     /// Largest distance of the limit points of the control points from their vertices, in the units of the
     /// coordinates. On the finer level that is how far the push-back had to move a limit point.
     pub largest: f64,
+    /// Their mean distance. Its last bits depend on the size of the patches.
+    pub mean: f64,
 }
 
 /// A topology made ready for exact fits in one pass: as many sets of values per vertex as one likes,
@@ -208,15 +210,21 @@ impl<'t> OnePass<'t> {
         // Squares of lengths neither over- nor underflow.
         const FAR: i32 = 400;
         if exponent.abs() <= FAR {
-            let largest = patches.fit(self.level, target, exponent, out);
-            return Ok(Summary { largest });
+            return Ok(self.summary(patches.fit(self.level, target, exponent, out), 0));
         }
         let near = par::collect(target.len(), |v| ldexp(target[v], -exponent));
-        let largest = patches.fit(self.level, &near, 0, out);
+        let distances = patches.fit(self.level, &near, 0, out);
         par::for_blocks(out, |_, block| {
             block.iter_mut().for_each(|p| *p = ldexp(*p, exponent));
         });
-        Ok(Summary { largest: libm::ldexp(largest, exponent) })
+        Ok(self.summary(distances, exponent))
+    }
+
+    fn summary(&self, distances: Distances, exponent: i32) -> Summary {
+        let used = self.topology.vertex_count() - self.topology.isolated_count();
+        let mean = distances.sum / (used as f64).max(1.0);
+        let [largest, mean] = [distances.largest, mean].map(|x| libm::ldexp(x, exponent));
+        Summary { largest, mean }
     }
 
     fn sweep(
@@ -238,7 +246,9 @@ impl<'t> OnePass<'t> {
             Some(pushback) => interpolator.fit_exactly(pushback, target, &options, &mut go_on)?,
         };
         out.copy_from_slice(&values);
-        Ok(Summary { largest: report.pushed_back.unwrap_or(report.max) })
+        let last = report.stages.last().map_or(0.0, |stage| stage.solve.last().mean);
+        let mean = if pushback.is_some() { last } else { report.mean };
+        Ok(Summary { largest: report.pushed_back.unwrap_or(report.max), mean })
     }
 }
 
@@ -321,8 +331,7 @@ impl Patches {
         Some((Self { kernel: kernel.clone(), patches, runs, run_count }, result_count))
     }
 
-    /// Returns the largest distance that the kernel tells.
-    fn fit(&self, level: Level, target: &[Vec3], exponent: i32, out: &mut [Vec3]) -> f64 {
+    fn fit(&self, level: Level, target: &[Vec3], exponent: i32, out: &mut [Vec3]) -> Distances {
         let scale = [-exponent, exponent].map(|e| libm::ldexp(1.0, e));
         let mut slices: Vec<Vec<&mut [Vec3]>> =
             self.run_count.iter().map(|&count| Vec::with_capacity(count as usize)).collect();
@@ -346,9 +355,9 @@ impl Patches {
                 last.push(job);
             }
         }
-        let largest = par::map_parts(jobs, |jobs| {
+        let distances = par::map_parts(jobs, |jobs| {
             let mut scratch = Scratch::new();
-            jobs.into_iter().fold(0.0, |largest, (patch, slices)| {
+            jobs.into_iter().fold(Distances::default(), |distances, (patch, slices)| {
                 let mut sink = Sink::new(slices);
                 let found = match level {
                     Level::Control => {
@@ -358,18 +367,13 @@ impl Patches {
                         self.kernel.finer(patch, &mut scratch, target, scale, &mut sink)
                     }
                 };
-                larger(largest, found)
+                distances.plus(found)
             })
         });
-        largest.into_iter().fold(0.0, larger)
+        distances.into_iter().fold(Distances::default(), Distances::plus)
     }
 }
 
 fn first_halfedge(topology: &Topology, f: u32) -> HalfedgeId {
     topology.face_halfedges(crate::FaceId(f)).next().expect("a face has corners")
-}
-
-fn larger(a: f64, b: f64) -> f64 {
-    // `f64::max` would drop a NaN, and with it an overflow.
-    if b > a || b.is_nan() { b } else { a }
 }

@@ -1,16 +1,24 @@
 //! scratch
-use std::time::Instant;
-use fairform::onepass::{Level, OnePass, Options};
 use fairform::interpolate::{Interpolator, Method};
+use fairform::onepass::{Level, OnePass, Options};
 use fairform::{Rules, Vec3, refine, shapes};
 use std::ops::ControlFlow;
+use std::time::Instant;
 fn best<R>(n: usize, mut f: impl FnMut() -> R) -> f64 {
     let mut b = f64::INFINITY;
-    for _ in 0..n { let t = cpu(); let r = std::hint::black_box(f()); b = b.min(cpu() - t); drop(r); }
+    for _ in 0..n {
+        let t = cpu();
+        let r = std::hint::black_box(f());
+        b = b.min(cpu() - t);
+        drop(r);
+    }
     b
 }
 fn cpu() -> f64 {
-    if std::env::var("WALL").is_ok() { static START: std::sync::LazyLock<Instant> = std::sync::LazyLock::new(Instant::now); return START.elapsed().as_secs_f64(); }
+    if std::env::var("WALL").is_ok() {
+        static START: std::sync::LazyLock<Instant> = std::sync::LazyLock::new(Instant::now);
+        return START.elapsed().as_secs_f64();
+    }
     let s = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap();
     s.split(' ').next().unwrap().parse::<f64>().unwrap() * 1e-9
 }

@@ -20,7 +20,7 @@ pub(super) struct Kernel {
     weights: Weights<f64>,
     weights32: Weights<f32>,
     /// One over the number of corners.
-    share: Vec<f64>,
+    share: Box<[f64; 256]>,
     /// Chebyshev's numbers, one pair per step.
     steps: Vec<(f64, f64)>,
 }
@@ -32,12 +32,13 @@ type Weights<R> = Box<[[R; 3]; 256]>;
 pub(super) struct Scratch {
     /// Vertices to be met, then control points.
     x: Box<Values<[f64; 4]>>,
-    face: Box<Values<[f64; 4]>>,
+    /// What comes of the faces, for schemes that have a use for them.
+    face: Vec<[f64; 4]>,
+    face32: Vec<[f32; 4]>,
     /// The first residual, and corrections of the control points.
     residual: Box<Values<[f32; 4]>>,
     now: Box<Values<[f32; 4]>>,
     other: Box<Values<[f32; 4]>>,
-    face32: Box<Values<[f32; 4]>>,
     /// Doo–Sabin: what is left to be moved at each vertex that the patch owns.
     left: Vec<[f64; 4]>,
 }
@@ -46,11 +47,11 @@ impl Scratch {
     pub(super) fn new() -> Self {
         Self {
             x: values!([0.0; 4]),
-            face: values!([0.0; 4]),
+            face: Vec::new(),
+            face32: Vec::new(),
             residual: values!([0.0; 4]),
             now: values!([0.0; 4]),
             other: values!([0.0; 4]),
-            face32: values!([0.0; 4]),
             left: Vec::new(),
         }
     }
@@ -88,21 +89,34 @@ enum Sums<L> {
     Whole(L),
 }
 
-/// Squared length and NaN that stays.
+/// Distances of limit points from their vertices.
 #[derive(Clone, Copy, Default)]
-struct Largest(f64);
+pub(super) struct Distances {
+    /// The largest, or NaN.
+    pub(super) largest: f64,
+    pub(super) sum: f64,
+}
 
-impl Largest {
+impl Distances {
     #[inline(always)]
     fn add(&mut self, [x, y, z, _]: [f64; 4]) {
-        let square = x * x + y * y + z * z;
-        if square > self.0 || square.is_nan() {
-            self.0 = square;
-        }
+        self.merge(libm::sqrt(x * x + y * y + z * z));
     }
 
-    fn length(self) -> f64 {
-        libm::sqrt(self.0)
+    #[inline(always)]
+    fn merge(&mut self, distance: f64) {
+        // `f64::max` would drop a NaN, and with it an overflow.
+        if distance > self.largest || distance.is_nan() {
+            self.largest = distance;
+        }
+        self.sum += distance;
+    }
+
+    pub(super) fn plus(self, other: Self) -> Self {
+        let sum = self.sum + other.sum;
+        let mut both = self;
+        both.merge(other.largest);
+        Self { sum, ..both }
     }
 }
 
@@ -137,11 +151,11 @@ impl Kernel {
             }
         }));
         let weights32 = Box::new(weights.map(|w| w.map(|w| w as f32)));
-        let share = (0..=u32::from(WRITTEN)).map(|n| 1.0 / f64::from(n.max(1))).collect();
+        let share = Box::new(core::array::from_fn(|n| 1.0 / (n as f64).max(1.0)));
         Self { scheme, weights, weights32, share, steps }
     }
 
-    /// Level 0: control points. Returns the largest distance of their limit points from the vertices.
+    /// Level 0: control points. Returns the distances of their limit points from the vertices.
     pub(super) fn control(
         &self,
         patch: &Patch,
@@ -149,7 +163,7 @@ impl Kernel {
         target: &[Vec3],
         scale: [f64; 2],
         out: &mut Sink<'_>,
-    ) -> f64 {
+    ) -> Distances {
         match self.scheme {
             Scheme::Loop => self.control_of::<LOOP>(patch, scratch, target, scale, out),
             Scheme::CatmullClark => {
@@ -166,17 +180,17 @@ impl Kernel {
         target: &[Vec3],
         scale: [f64; 2],
         out: &mut Sink<'_>,
-    ) -> f64 {
+    ) -> Distances {
         self.solve::<SCHEME>(patch, scratch, target, scale);
         let Scratch { x, face, .. } = scratch;
-        let mut largest = Largest::default();
+        let mut distances = Distances::default();
         let vertices = &patch.vertices;
         self.visit::<SCHEME, _>(patch, 0, x, face, |i, sums| {
             let limit = Self::whole::<SCHEME, _>(&self.weights, patch, i, x[i], &sums);
-            largest.add(minus(lanes(target[vertices[i] as usize]), limit));
+            distances.add(minus(lanes(target[vertices[i] as usize]), limit));
             out.push(x[i]);
         });
-        largest.length()
+        distances
     }
 
     /// Level 1: finer values whose limit points are the vertices. Returns how far they had to be moved.
@@ -187,7 +201,7 @@ impl Kernel {
         target: &[Vec3],
         scale: [f64; 2],
         out: &mut Sink<'_>,
-    ) -> f64 {
+    ) -> Distances {
         match self.scheme {
             Scheme::Loop => self.loop_finer(patch, scratch, target, scale, out),
             Scheme::CatmullClark => self.catmull_clark_finer(patch, scratch, target, scale, out),
@@ -202,15 +216,15 @@ impl Kernel {
         target: &[Vec3],
         scale: [f64; 2],
         out: &mut Sink<'_>,
-    ) -> f64 {
+    ) -> Distances {
         self.solve::<LOOP>(patch, scratch, target, scale);
         let Scratch { x, face, .. } = scratch;
-        let mut largest = Largest::default();
+        let mut distances = Distances::default();
         let mut made = MadeRows::new(&patch.made);
         self.visit::<LOOP, _>(patch, 0, x, face, |i, sums| {
             let goal = lanes(target[patch.vertices[i] as usize]);
             let limit = Self::whole::<LOOP, _>(&self.weights, patch, i, x[i], &sums);
-            largest.add(minus(goal, limit));
+            distances.add(minus(goal, limit));
             out.push(match sums {
                 Sums::Whole(_) => made.next(goal, x),
                 Sums::Smooth { n, .. } => {
@@ -229,7 +243,7 @@ impl Kernel {
                 a.plus(b).times(0.375).plus(c.plus(d).times(0.125))
             });
         }
-        largest.length()
+        distances
     }
 
     fn catmull_clark_finer(
@@ -239,15 +253,15 @@ impl Kernel {
         target: &[Vec3],
         scale: [f64; 2],
         out: &mut Sink<'_>,
-    ) -> f64 {
+    ) -> Distances {
         self.solve::<CATMULL_CLARK>(patch, scratch, target, scale);
         let Scratch { x, face, .. } = scratch;
-        let mut largest = Largest::default();
+        let mut distances = Distances::default();
         let mut made = MadeRows::new(&patch.made);
         self.visit::<CATMULL_CLARK, _>(patch, 0, x, face, |i, sums| {
             let goal = lanes(target[patch.vertices[i] as usize]);
             let limit = Self::whole::<CATMULL_CLARK, _>(&self.weights, patch, i, x[i], &sums);
-            largest.add(minus(goal, limit));
+            distances.add(minus(goal, limit));
             out.push(match sums {
                 Sums::Whole(_) => made.next(goal, x),
                 Sums::Smooth { n, ring, faces } => {
@@ -270,7 +284,7 @@ impl Kernel {
         for &f in &patch.points {
             out.push(face[usize::from(f)]);
         }
-        largest.length()
+        distances
     }
 
     fn doo_sabin_finer(
@@ -280,15 +294,16 @@ impl Kernel {
         target: &[Vec3],
         scale: [f64; 2],
         out: &mut Sink<'_>,
-    ) -> f64 {
+    ) -> Distances {
         self.solve::<DOO_SABIN>(patch, scratch, target, scale);
         let Scratch { x, face, left, .. } = scratch;
-        let mut largest = Largest::default();
+        let mut distances = Distances::default();
         left.clear();
         self.visit::<DOO_SABIN, _>(patch, 0, x, face, |i, sums| {
             let goal = lanes(target[patch.vertices[i] as usize]);
-            let rest = minus(goal, Self::whole::<DOO_SABIN, _>(&self.weights, patch, i, x[i], &sums));
-            largest.add(rest);
+            let rest =
+                minus(goal, Self::whole::<DOO_SABIN, _>(&self.weights, patch, i, x[i], &sums));
+            distances.add(rest);
             left.push(rest);
         });
         let mut made = MadeRows::new(&patch.made);
@@ -300,7 +315,7 @@ impl Kernel {
                 x[v].times(patch.faces.lambda[f]).plus(face[f]).plus(left[v])
             });
         }
-        largest.length()
+        distances
     }
 
     /// A limit point from its sums.
@@ -334,6 +349,11 @@ impl Kernel {
         scale: [f64; 2],
     ) {
         let Scratch { x, face, residual, now, other, face32, .. } = scratch;
+        if SCHEME != LOOP {
+            let count = patch.faces.size.len();
+            face.resize(count, [0.0; 4]);
+            face32.resize(count, [0.0; 4]);
+        }
         for (i, &v) in patch.vertices.iter().enumerate() {
             x[i] = lanes(target[v as usize]);
         }
@@ -374,7 +394,7 @@ impl Kernel {
         patch: &Patch,
         distance: usize,
         x: &Values<L>,
-        face: &mut Values<L>,
+        face: &mut [L],
         mut visit: impl FnMut(usize, Sums<L>),
     ) {
         if SCHEME != LOOP {
@@ -412,26 +432,27 @@ impl Kernel {
         patch: &Patch,
         end: usize,
         x: &Values<L>,
-        face: &mut Values<L>,
+        face: &mut [L],
     ) {
         let mut corners = patch.faces.corner.as_slice();
         for (f, &size) in patch.faces.size[..end].iter().enumerate() {
             let (own, rest) = corners.split_at(usize::from(size));
             corners = rest;
-            let mut weight = self.share[usize::from(size)];
+            let share = self.share.get(usize::from(size)).copied();
+            let mut weight = share.unwrap_or_else(|| 1.0 / f64::from(size));
             if SCHEME == DOO_SABIN {
                 if let Some(lambda) = patch.faces.lambda.get(f) {
                     weight *= 1.0 - lambda;
                 }
             }
-            face[usize::from(f as u16)] = sum::<L, 4>(own, x).times(L::real(weight));
+            face[f] = sum::<L, 4>(own, x).times(L::real(weight));
         }
     }
 }
 
 /// A sum in the order of its terms, the usual number of them unrolled.
 #[inline(always)]
-fn sum<L: Lane, const USUAL: usize>(list: &[u16], values: &Values<L>) -> L {
+fn sum<L: Lane, const USUAL: usize>(list: &[u16], values: &[L]) -> L {
     let Ok(list) = <&[u16; USUAL]>::try_from(list) else { return long_sum(list, values) };
     let mut sum = values[usize::from(list[0])];
     for &q in &list[1..] {
@@ -440,7 +461,7 @@ fn sum<L: Lane, const USUAL: usize>(list: &[u16], values: &Values<L>) -> L {
     sum
 }
 
-fn long_sum<L: Lane>(list: &[u16], values: &Values<L>) -> L {
+fn long_sum<L: Lane>(list: &[u16], values: &[L]) -> L {
     list.iter().fold(L::ZERO, |sum, &q| sum.plus(values[usize::from(q)]))
 }
 

@@ -5,9 +5,9 @@ use alloc::vec::Vec;
 
 use super::cut::Rings;
 use super::special::Special;
+use crate::Topology;
 use crate::ids::{EdgeId, FaceId, HalfedgeId, NONE, VertexId};
 use crate::scheme::{Rules, Scheme};
-use crate::Topology;
 
 /// Stands for a valence: the row is written out.
 pub(super) const SPECIAL: u8 = u8::MAX;
@@ -82,10 +82,7 @@ pub(super) struct Numbers {
 impl Numbers {
     pub(super) fn new(topology: &Topology, scheme: Scheme) -> Self {
         let faces = if scheme == Scheme::Loop { 0 } else { topology.face_count() };
-        Self {
-            vertex: alloc::vec![NONE; topology.vertex_count()],
-            face: alloc::vec![NONE; faces],
-        }
+        Self { vertex: alloc::vec![NONE; topology.vertex_count()], face: alloc::vec![NONE; faces] }
     }
 }
 
@@ -116,12 +113,7 @@ impl Maker<'_, '_> {
     }
 
     /// Halo and rows.
-    fn grow(
-        &self,
-        patch: &mut Patch,
-        faces: &mut Vec<u32>,
-        numbers: &mut Numbers,
-    ) -> Option<()> {
+    fn grow(&self, patch: &mut Patch, faces: &mut Vec<u32>, numbers: &mut Numbers) -> Option<()> {
         let mut begin = 0;
         let mut entries = Vec::new();
         patch.ends.push(patch.vertices.len() as u32);
@@ -252,12 +244,7 @@ impl Maker<'_, '_> {
             Scheme::Loop => vertex(t.origin(t.prev(h))),
             _ => numbers.face[t.face(h).index()] as u16,
         };
-        patch.edges.push([
-            vertex(t.origin(h)),
-            vertex(t.target(h)),
-            beyond(h),
-            beyond(twin),
-        ]);
+        patch.edges.push([vertex(t.origin(h)), vertex(t.target(h)), beyond(h), beyond(twin)]);
     }
 
     fn image(

@@ -6,6 +6,7 @@
 
 use alloc::vec::Vec;
 
+use crate::Topology;
 use crate::crease::{Kind, Sharpness};
 use crate::ids::{EdgeId, VertexId};
 use crate::limit::LimitRows;
@@ -15,7 +16,6 @@ use crate::rows::{self, Rows};
 use crate::rules::BoundaryKinds;
 use crate::scheme::loop_scheme::{BoundaryKind, boundary_limit_weight, limit_weight};
 use crate::scheme::{Rules, Scheme, catmull_clark};
-use crate::Topology;
 
 /// Highest valence that a byte holds besides [`SPECIAL`](super::patch::SPECIAL).
 pub(super) const MOST_NEIGHBOURS: u32 = 254;
@@ -52,7 +52,6 @@ pub(super) struct Special<'t> {
     limit: LimitRows<'t>,
     step: StepRows<'t>,
 }
-
 
 impl<'t> Special<'t> {
     /// `None` for schemes that interpolate without being asked.

@@ -357,7 +357,9 @@ impl<'t> DooSabinRows<'t> {
     pub(crate) fn vertex(&self, row: usize) -> VertexId {
         match row.checked_sub(self.topology.halfedge_count()) {
             None => self.topology.origin(HalfedgeId(row as u32)),
-            Some(extra) if extra.is_multiple_of(2) => self.topology.origin(self.boundary[extra / 2]),
+            Some(extra) if extra.is_multiple_of(2) => {
+                self.topology.origin(self.boundary[extra / 2])
+            }
             Some(extra) => self.topology.target(self.boundary[extra / 2]),
         }
     }
