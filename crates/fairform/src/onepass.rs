@@ -332,6 +332,22 @@ impl Patches {
     }
 
     fn fit(&self, level: Level, target: &[Vec3], exponent: i32, out: &mut [Vec3]) -> Distances {
+        const SMALL: usize = 1 << 12;
+        if self.patches.iter().all(|patch| patch.vertices.len() <= SMALL) {
+            self.fit_with::<SMALL>(level, target, exponent, out)
+        } else {
+            self.fit_with::<{ 1 << 16 }>(level, target, exponent, out)
+        }
+    }
+
+    /// With room for so many local numbers.
+    fn fit_with<const N: usize>(
+        &self,
+        level: Level,
+        target: &[Vec3],
+        exponent: i32,
+        out: &mut [Vec3],
+    ) -> Distances {
         let scale = [-exponent, exponent].map(|e| libm::ldexp(1.0, e));
         let mut slices: Vec<Vec<&mut [Vec3]>> =
             self.run_count.iter().map(|&count| Vec::with_capacity(count as usize)).collect();
@@ -356,7 +372,7 @@ impl Patches {
             }
         }
         let distances = par::map_parts(jobs, |jobs| {
-            let mut scratch = Scratch::new();
+            let mut scratch = Scratch::<N>::new();
             jobs.into_iter().fold(Distances::default(), |distances, (patch, slices)| {
                 let mut sink = Sink::new(slices);
                 let found = match level {

@@ -29,29 +29,29 @@ pub(super) struct Kernel {
 type Weights<R> = Box<[[R; 3]; 256]>;
 
 /// Values of one patch at a time.
-pub(super) struct Scratch {
+pub(super) struct Scratch<const N: usize> {
     /// Vertices to be met, then control points.
-    x: Box<Values<[f64; 4]>>,
+    x: Box<Values<[f64; 4], N>>,
     /// What comes of the faces, for schemes that have a use for them.
     face: Vec<[f64; 4]>,
     face32: Vec<[f32; 4]>,
     /// The first residual, and corrections of the control points.
-    residual: Box<Values<[f32; 4]>>,
-    now: Box<Values<[f32; 4]>>,
-    other: Box<Values<[f32; 4]>>,
+    residual: Box<Values<[f32; 4], N>>,
+    now: Box<Values<[f32; 4], N>>,
+    other: Box<Values<[f32; 4], N>>,
     /// Doo–Sabin: what is left to be moved at each vertex that the patch owns.
     left: Vec<[f64; 4]>,
 }
 
-impl Scratch {
+impl<const N: usize> Scratch<N> {
     pub(super) fn new() -> Self {
         Self {
-            x: values!([0.0; 4]),
+            x: values!([0.0; 4], N),
             face: Vec::new(),
             face32: Vec::new(),
-            residual: values!([0.0; 4]),
-            now: values!([0.0; 4]),
-            other: values!([0.0; 4]),
+            residual: values!([0.0; 4], N),
+            now: values!([0.0; 4], N),
+            other: values!([0.0; 4], N),
             left: Vec::new(),
         }
     }
@@ -156,36 +156,36 @@ impl Kernel {
     }
 
     /// Level 0: control points. Returns the distances of their limit points from the vertices.
-    pub(super) fn control(
+    pub(super) fn control<const N: usize>(
         &self,
         patch: &Patch,
-        scratch: &mut Scratch,
+        scratch: &mut Scratch<N>,
         target: &[Vec3],
         scale: [f64; 2],
         out: &mut Sink<'_>,
     ) -> Distances {
         match self.scheme {
-            Scheme::Loop => self.control_of::<LOOP>(patch, scratch, target, scale, out),
+            Scheme::Loop => self.control_of::<LOOP, N>(patch, scratch, target, scale, out),
             Scheme::CatmullClark => {
-                self.control_of::<CATMULL_CLARK>(patch, scratch, target, scale, out)
+                self.control_of::<CATMULL_CLARK, N>(patch, scratch, target, scale, out)
             }
-            _ => self.control_of::<DOO_SABIN>(patch, scratch, target, scale, out),
+            _ => self.control_of::<DOO_SABIN, N>(patch, scratch, target, scale, out),
         }
     }
 
-    fn control_of<const SCHEME: u8>(
+    fn control_of<const SCHEME: u8, const N: usize>(
         &self,
         patch: &Patch,
-        scratch: &mut Scratch,
+        scratch: &mut Scratch<N>,
         target: &[Vec3],
         scale: [f64; 2],
         out: &mut Sink<'_>,
     ) -> Distances {
-        self.solve::<SCHEME>(patch, scratch, target, scale);
+        self.solve::<SCHEME, N>(patch, scratch, target, scale);
         let Scratch { x, face, .. } = scratch;
         let mut distances = Distances::default();
         let vertices = &patch.vertices;
-        self.visit::<SCHEME, _>(patch, 0, x, face, |i, sums| {
+        self.visit::<SCHEME, N, _>(patch, 0, x, face, |i, sums| {
             let limit = Self::whole::<SCHEME, _>(&self.weights, patch, i, x[i], &sums);
             distances.add(minus(lanes(target[vertices[i] as usize]), limit));
             out.push(x[i]);
@@ -194,10 +194,10 @@ impl Kernel {
     }
 
     /// Level 1: finer values whose limit points are the vertices. Returns how far they had to be moved.
-    pub(super) fn finer(
+    pub(super) fn finer<const N: usize>(
         &self,
         patch: &Patch,
-        scratch: &mut Scratch,
+        scratch: &mut Scratch<N>,
         target: &[Vec3],
         scale: [f64; 2],
         out: &mut Sink<'_>,
@@ -209,19 +209,19 @@ impl Kernel {
         }
     }
 
-    fn loop_finer(
+    fn loop_finer<const N: usize>(
         &self,
         patch: &Patch,
-        scratch: &mut Scratch,
+        scratch: &mut Scratch<N>,
         target: &[Vec3],
         scale: [f64; 2],
         out: &mut Sink<'_>,
     ) -> Distances {
-        self.solve::<LOOP>(patch, scratch, target, scale);
+        self.solve::<LOOP, N>(patch, scratch, target, scale);
         let Scratch { x, face, .. } = scratch;
         let mut distances = Distances::default();
         let mut made = MadeRows::new(&patch.made);
-        self.visit::<LOOP, _>(patch, 0, x, face, |i, sums| {
+        self.visit::<LOOP, N, _>(patch, 0, x, face, |i, sums| {
             let goal = lanes(target[patch.vertices[i] as usize]);
             let limit = Self::whole::<LOOP, _>(&self.weights, patch, i, x[i], &sums);
             distances.add(minus(goal, limit));
@@ -239,26 +239,26 @@ impl Kernel {
             out.push(if a == WRITTEN {
                 made.next([0.0; 4], x)
             } else {
-                let [a, b, c, d] = [a, b, c, d].map(|q| x[usize::from(q)]);
+                let [a, b, c, d] = [a, b, c, d].map(|q| x[usize::from(q) % N]);
                 a.plus(b).times(0.375).plus(c.plus(d).times(0.125))
             });
         }
         distances
     }
 
-    fn catmull_clark_finer(
+    fn catmull_clark_finer<const N: usize>(
         &self,
         patch: &Patch,
-        scratch: &mut Scratch,
+        scratch: &mut Scratch<N>,
         target: &[Vec3],
         scale: [f64; 2],
         out: &mut Sink<'_>,
     ) -> Distances {
-        self.solve::<CATMULL_CLARK>(patch, scratch, target, scale);
+        self.solve::<CATMULL_CLARK, N>(patch, scratch, target, scale);
         let Scratch { x, face, .. } = scratch;
         let mut distances = Distances::default();
         let mut made = MadeRows::new(&patch.made);
-        self.visit::<CATMULL_CLARK, _>(patch, 0, x, face, |i, sums| {
+        self.visit::<CATMULL_CLARK, N, _>(patch, 0, x, face, |i, sums| {
             let goal = lanes(target[patch.vertices[i] as usize]);
             let limit = Self::whole::<CATMULL_CLARK, _>(&self.weights, patch, i, x[i], &sums);
             distances.add(minus(goal, limit));
@@ -276,7 +276,7 @@ impl Kernel {
             out.push(if a == WRITTEN {
                 made.next([0.0; 4], x)
             } else {
-                let [a, b] = [a, b].map(|q| x[usize::from(q)]);
+                let [a, b] = [a, b].map(|q| x[usize::from(q) % N]);
                 let [f, g] = [f, g].map(|f| face[usize::from(f)]);
                 a.plus(b).plus(f.plus(g)).times(0.25)
             });
@@ -287,19 +287,19 @@ impl Kernel {
         distances
     }
 
-    fn doo_sabin_finer(
+    fn doo_sabin_finer<const N: usize>(
         &self,
         patch: &Patch,
-        scratch: &mut Scratch,
+        scratch: &mut Scratch<N>,
         target: &[Vec3],
         scale: [f64; 2],
         out: &mut Sink<'_>,
     ) -> Distances {
-        self.solve::<DOO_SABIN>(patch, scratch, target, scale);
+        self.solve::<DOO_SABIN, N>(patch, scratch, target, scale);
         let Scratch { x, face, left, .. } = scratch;
         let mut distances = Distances::default();
         left.clear();
-        self.visit::<DOO_SABIN, _>(patch, 0, x, face, |i, sums| {
+        self.visit::<DOO_SABIN, N, _>(patch, 0, x, face, |i, sums| {
             let goal = lanes(target[patch.vertices[i] as usize]);
             let rest =
                 minus(goal, Self::whole::<DOO_SABIN, _>(&self.weights, patch, i, x[i], &sums));
@@ -308,7 +308,7 @@ impl Kernel {
         });
         let mut made = MadeRows::new(&patch.made);
         for &[v, f] in &patch.images {
-            let (v, f) = (usize::from(v), usize::from(f));
+            let (v, f) = (usize::from(v) % N, usize::from(f));
             out.push(if f == usize::from(WRITTEN) {
                 made.next(lanes(target[patch.vertices[v] as usize]), x)
             } else {
@@ -341,10 +341,10 @@ impl Kernel {
 
     /// Control points at the vertices that a patch owns and one ring around, into `x`. The first of
     /// `scale` takes residuals to where `f32` can hold them, the second takes corrections back.
-    fn solve<const SCHEME: u8>(
+    fn solve<const SCHEME: u8, const N: usize>(
         &self,
         patch: &Patch,
-        scratch: &mut Scratch,
+        scratch: &mut Scratch<N>,
         target: &[Vec3],
         scale: [f64; 2],
     ) {
@@ -360,7 +360,7 @@ impl Kernel {
         let Some((&(_, first), steps)) = self.steps.split_first() else { return };
         let first = first as f32;
         let reach = self.steps.len();
-        self.visit::<SCHEME, _>(patch, reach, x, face, |i, sums| {
+        self.visit::<SCHEME, N, _>(patch, reach, x, face, |i, sums| {
             let limit = Self::whole::<SCHEME, _>(&self.weights, patch, i, x[i], &sums);
             let r = narrow(minus(x[i], limit), scale[0]);
             residual[i] = r;
@@ -370,7 +370,7 @@ impl Kernel {
         });
         for (k, &(a, b)) in steps.iter().enumerate() {
             let (a, b) = (a as f32, b as f32);
-            self.visit::<SCHEME, _>(patch, reach - 1 - k, now, face32, |i, sums| {
+            self.visit::<SCHEME, N, _>(patch, reach - 1 - k, now, face32, |i, sums| {
                 let own = now[i];
                 let limit = Self::whole::<SCHEME, _>(&self.weights32, patch, i, own, &sums);
                 let (before, r) = (other[i], residual[i]);
@@ -389,22 +389,22 @@ impl Kernel {
     /// Visits the limit points of the vertices no farther than so many rings, from the values of vertices;
     /// `face` is for what comes of the faces.
     #[inline(always)]
-    fn visit<const SCHEME: u8, L: Lane>(
+    fn visit<const SCHEME: u8, const N: usize, L: Lane>(
         &self,
         patch: &Patch,
         distance: usize,
-        x: &Values<L>,
+        x: &Values<L, N>,
         face: &mut [L],
         mut visit: impl FnMut(usize, Sums<L>),
     ) {
         if SCHEME != LOOP {
-            self.faces::<SCHEME, L>(patch, patch.faces.ends[distance] as usize, x, face);
+            self.faces::<SCHEME, N, L>(patch, patch.faces.ends[distance] as usize, x, face);
         }
         let mut ring = patch.ring.as_slice();
         let mut written = MadeRows::new(&patch.limit);
         for (i, &n) in patch.valence[..patch.ends[distance] as usize].iter().enumerate() {
             // Of sixteen bits, so that it indexes without looking.
-            let i = usize::from(i as u16);
+            let i = usize::from(i as u16) % N;
             let sums = if n == SPECIAL {
                 Sums::Whole(written.next(L::ZERO, x))
             } else {
@@ -412,12 +412,12 @@ impl Kernel {
                 if SCHEME != DOO_SABIN {
                     let (own, rest) = ring.split_at(usize::from(n));
                     ring = rest;
-                    sums[0] = sum::<L, 6>(own, x);
+                    sums[0] = sum::<L, 6>(own, |q| x[usize::from(q) % N]);
                 }
                 if SCHEME != LOOP {
                     let (own, rest) = ring.split_at(usize::from(n));
                     ring = rest;
-                    sums[1] = sum::<L, 4>(own, face);
+                    sums[1] = sum::<L, 4>(own, |f| face[usize::from(f)]);
                 }
                 Sums::Smooth { n, ring: sums[0], faces: sums[1] }
             };
@@ -427,11 +427,11 @@ impl Kernel {
 
     /// What the faces add to images and limit points.
     #[inline(always)]
-    fn faces<const SCHEME: u8, L: Lane>(
+    fn faces<const SCHEME: u8, const N: usize, L: Lane>(
         &self,
         patch: &Patch,
         end: usize,
-        x: &Values<L>,
+        x: &Values<L, N>,
         face: &mut [L],
     ) {
         let mut corners = patch.faces.corner.as_slice();
@@ -445,24 +445,22 @@ impl Kernel {
                     weight *= 1.0 - lambda;
                 }
             }
-            face[f] = sum::<L, 4>(own, x).times(L::real(weight));
+            face[f] = sum::<L, 4>(own, |q| x[usize::from(q) % N]).times(L::real(weight));
         }
     }
 }
 
 /// A sum in the order of its terms, the usual number of them unrolled.
 #[inline(always)]
-fn sum<L: Lane, const USUAL: usize>(list: &[u16], values: &[L]) -> L {
-    let Ok(list) = <&[u16; USUAL]>::try_from(list) else { return long_sum(list, values) };
-    let mut sum = values[usize::from(list[0])];
-    for &q in &list[1..] {
-        sum = sum.plus(values[usize::from(q)]);
+fn sum<L: Lane, const USUAL: usize>(list: &[u16], value: impl Fn(u16) -> L) -> L {
+    if let Ok(list) = <&[u16; USUAL]>::try_from(list) {
+        let mut sum = value(list[0]);
+        for &q in &list[1..] {
+            sum = sum.plus(value(q));
+        }
+        return sum;
     }
-    sum
-}
-
-fn long_sum<L: Lane>(list: &[u16], values: &[L]) -> L {
-    list.iter().fold(L::ZERO, |sum, &q| sum.plus(values[usize::from(q)]))
+    list.iter().fold(L::ZERO, |sum, &q| sum.plus(value(q)))
 }
 
 /// Rows written out, one after the other.
@@ -477,11 +475,12 @@ impl<'p> MadeRows<'p> {
     }
 
     #[inline(never)]
-    fn next<L: Lane>(&mut self, target: L, x: &Values<L>) -> L {
+    fn next<const N: usize, L: Lane>(&mut self, target: L, x: &Values<L, N>) -> L {
         let [from, to] = [0, 1].map(|j| self.rows.start[self.next + j] as usize);
         let own = target.times(L::real(self.rows.target[self.next]));
         self.next += 1;
         let entries = self.rows.entries[from..to].iter();
-        entries.fold(own, |sum, &(q, weight)| sum.plus(x[usize::from(q)].times(L::real(weight))))
+        entries
+            .fold(own, |sum, &(q, weight)| sum.plus(x[usize::from(q) % N].times(L::real(weight))))
     }
 }

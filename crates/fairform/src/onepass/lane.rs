@@ -56,13 +56,13 @@ impl Lane for [f64; 4] {
     }
 }
 
-/// Values that `u16` index without looking.
-pub(super) type Values<L> = [L; 1 << 16];
+/// Values that `u16` index without looking, modulo their number.
+pub(super) type Values<L, const N: usize> = [L; N];
 
 /// A value for every index; the system hands out the memory as it is touched.
 macro_rules! values {
-    ($zero:expr) => {
-        match alloc::vec![$zero; 1 << 16].into_boxed_slice().try_into() {
+    ($zero:expr, $count:expr) => {
+        match alloc::vec![$zero; $count].into_boxed_slice().try_into() {
             Ok(values) => values,
             Err(_) => unreachable!("so many values"),
         }
