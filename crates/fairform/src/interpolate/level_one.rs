@@ -15,7 +15,7 @@ use crate::{Mesh, Rules, Vec3};
 
 /// Updates before a push-back. What they leave over moves the surface between the vertices by less
 /// than one can see: its curvature energy is within a percent of that of the converged surface.
-const UPDATES: u32 = onepass::STEPS;
+const UPDATES: u32 = 6;
 
 /// Vertices from which on one pass over memory is faster than sweeps over the whole mesh, preparation
 /// included.
@@ -140,7 +140,7 @@ impl Interpolator<'_> {
         let in_one_pass =
             options.method == Method::OnePass || options.method == Method::Auto && is_large;
         let passed = match in_one_pass && !self.stages.is_empty() {
-            true => self.pass(&scaled, few.max_updates, is_hopeless, observer)?,
+            true => self.pass(&scaled, options, is_hopeless, observer)?,
             false => None,
         };
         let (mut finer, pushed_back, stages) = match passed {
@@ -203,23 +203,25 @@ impl Interpolator<'_> {
     fn pass(
         &self,
         scaled: &Scaled,
-        updates: u32,
+        options: &Options,
         is_hopeless: bool,
         observer: &mut Observer<'_>,
     ) -> Result<Option<(Vec<Vec3>, f64, Vec<StageReport>)>, Error> {
         let unit = scaled.stop.unit;
         let given = scaled.start.as_ref().unwrap_or(&scaled.target);
-        let mut steps = if is_hopeless { updates.min(UPDATES) } else { updates.min(MOST_STEPS) };
+        let few = onepass::usual_steps(self.rules.scheme);
+        let wanted = if options.tolerance.is_some() { few } else { MOST_STEPS };
+        let mut steps = options.iterations.min(if is_hopeless { few } else { wanted });
         loop {
-            let options = onepass::Options { steps, ..onepass::Options::default() };
+            let options = onepass::Options { steps: Some(steps), ..onepass::Options::default() };
             let prepared = OnePass::new(self.topology, self.rules, &options)?;
             if !prepared.is_patched() {
                 return Ok(None);
             }
             let (finer, onepass::Summary { largest, mean }) = prepared.fit(given)?;
-            if !(largest <= ASTRAY * unit) && steps > UPDATES {
+            if !(largest <= ASTRAY * unit) && steps > few {
                 // The iteration diverged; a few updates cannot.
-                steps = UPDATES;
+                steps = few;
                 continue;
             }
             let step = Step { updates: steps, max: largest / unit, mean: mean / unit };

@@ -65,7 +65,11 @@ impl Interpolator<'_> {
         }
         let needed = options.tolerance.map(|tolerance| updates(usual, tolerance, first.max));
         let steps = needed.unwrap_or(options.iterations).min(options.iterations).min(MOST_STEPS);
-        let how = onepass::Options { steps, level: Level::Control, ..onepass::Options::default() };
+        let how = onepass::Options {
+            steps: Some(steps),
+            level: Level::Control,
+            ..onepass::Options::default()
+        };
         let (control, _) = OnePass::new(self.topology, self.rules, &how)?.fit(given)?;
         let limit = limit_points(self.topology, &control, self.rules)?;
         let last = self.step(&scaled, &limit, steps);
