@@ -104,6 +104,13 @@ fn is_stuck(report: &FitReport) -> bool {
 /// Residual, in the unit of the report, that a stalled solve may well leave.
 const ROUNDING: f64 = 1e-10;
 
+/// What comes of a solve, a refinement and a push-back.
+struct Passed {
+    finer: Vec<Vec3>,
+    pushed_back: f64,
+    stages: Vec<StageReport>,
+}
+
 impl Interpolator<'_> {
     /// The values on the mesh refined once, by `pushback` of the same topology and rules, whose limit
     /// values at the vertices are `target` up to rounding.
@@ -143,15 +150,14 @@ impl Interpolator<'_> {
             true => self.pass(&scaled, options, is_hopeless, observer)?,
             false => None,
         };
-        let (mut finer, pushed_back, stages) = match passed {
-            Some(passed) => passed,
-            None => {
-                let (control, stages) =
-                    self.solve_first(&scaled, options, few, is_hopeless, observer)?;
-                let mut finer = pushback.step().apply(&control);
-                let pushed_back = pushback.correct(&scaled.target, &mut finer);
-                (finer, pushed_back, stages)
-            }
+        let Passed { mut finer, pushed_back, stages } = if let Some(passed) = passed {
+            passed
+        } else {
+            let (control, stages) =
+                self.solve_first(&scaled, options, few, is_hopeless, observer)?;
+            let mut finer = pushback.step().apply(&control);
+            let pushed_back = pushback.correct(&scaled.target, &mut finer);
+            Passed { finer, pushed_back, stages }
         };
         let mut fairing = None;
         if let Some(weight) = options.fair {
@@ -206,7 +212,7 @@ impl Interpolator<'_> {
         options: &Options,
         is_hopeless: bool,
         observer: &mut Observer<'_>,
-    ) -> Result<Option<(Vec<Vec3>, f64, Vec<StageReport>)>, Error> {
+    ) -> Result<Option<Passed>, Error> {
         let unit = scaled.stop.unit;
         let given = scaled.start.as_ref().unwrap_or(&scaled.target);
         let few = onepass::usual_steps(self.rules.scheme);
@@ -219,7 +225,7 @@ impl Interpolator<'_> {
                 return Ok(None);
             }
             let (finer, onepass::Summary { largest, mean }) = prepared.fit(given)?;
-            if !(largest <= ASTRAY * unit) && steps > few {
+            if (largest > ASTRAY * unit || largest.is_nan()) && steps > few {
                 // The iteration diverged; a few updates cannot.
                 steps = few;
                 continue;
@@ -232,7 +238,8 @@ impl Interpolator<'_> {
                 Report { history: [step].into(), outcome: Outcome::CountReached, predicted: None };
             let used = self.topology.vertex_count() - self.topology.isolated_count();
             let stage = StageReport { name: StageName::Whole, vertex_count: used, solve };
-            return Ok(Some((finer, largest, [stage].into())));
+            let stages = [stage].into();
+            return Ok(Some(Passed { finer, pushed_back: largest, stages }));
         }
     }
 }

@@ -84,7 +84,7 @@ impl Interpolator<'_> {
                 .then(|| first.max * left_by(steps, usual.max(guaranteed), guaranteed)),
             residual: last.max,
         };
-        if options.tolerance.is_some_and(|tolerance| !(last.max <= tolerance)) {
+        if options.tolerance.is_some_and(|tolerance| last.max > tolerance || last.max.is_nan()) {
             // From where the pass has come to, unless it went astray.
             let is_better = last.max < first.max;
             let start = if is_better { Some(control) } else { scaled.start.clone() };

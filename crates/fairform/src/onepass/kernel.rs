@@ -1,4 +1,5 @@
 //! The arithmetic of a patch: Chebyshev's recurrence over shrinking rings, then what is wanted of it.
+#![expect(clippy::inline_always, reason = "loops are as fast as their bodies are inlined")]
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;

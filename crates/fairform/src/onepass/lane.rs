@@ -1,4 +1,5 @@
 //! Points in registers: three coordinates and one lane that is not used.
+#![expect(clippy::inline_always, reason = "loops are as fast as their bodies are inlined")]
 
 /// A value of the kernels: `[f32; 4]` for the iteration, `[f64; 4]` for what must be exact.
 pub(super) trait Lane: Copy {
