@@ -12,6 +12,7 @@
 //! computed from its neighbours in the order of their ring, whichever patch it is in: the results are
 //! the same bits for any number of threads and for any size of the patches.
 
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::ops::ControlFlow;
 
@@ -76,6 +77,9 @@ const PATCH_SIZE: usize = 12_288;
 /// more work than they save, as around vertices with thousands of neighbours.
 const MOST_COPIES: [usize; 2] = [16, 1 << 22];
 
+/// Exponents of two up to which squares of lengths neither over- nor underflow.
+const FAR: i32 = 400;
+
 /// What a fit did.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Summary {
@@ -112,13 +116,20 @@ pub struct OnePass<'t> {
 enum Engine<'t> {
     Patches(Patches),
     /// Sweeps over the whole mesh, where patches do not pay: beside vertices with very many neighbours.
-    Sweeps(Interpolator<'t>, Option<PushBack<'t>>),
+    Sweeps(Box<Sweeps<'t>>),
+}
+
+#[derive(Clone, Debug)]
+struct Sweeps<'t> {
+    interpolator: Interpolator<'t>,
+    /// On the finer level.
+    pushback: Option<PushBack<'t>>,
 }
 
 #[derive(Clone, Debug)]
 struct Patches {
     kernel: Kernel,
-    patches: Vec<Patch>,
+    list: Vec<Patch>,
     /// Which patches the results come from, in their order.
     runs: Vec<Run>,
     /// How many runs each patch has.
@@ -155,7 +166,7 @@ impl<'t> OnePass<'t> {
             let finer = pushback.as_ref().map(|p| p.step().topology.vertex_count());
             let interpolator = Interpolator::new(topology, rules)?;
             let count = finer.unwrap_or(topology.vertex_count());
-            (Engine::Sweeps(interpolator, pushback), count)
+            (Engine::Sweeps(Box::new(Sweeps { interpolator, pushback })), count)
         };
         Ok(Self { topology, level, steps, result_count, engine })
     }
@@ -177,9 +188,9 @@ impl<'t> OnePass<'t> {
     #[must_use]
     pub fn patch_bytes(&self) -> (usize, f64) {
         let Engine::Patches(patches) = &self.engine else { return (0, 0.0) };
-        let bytes = patches.patches.iter().map(Patch::size).sum::<usize>()
+        let bytes = patches.list.iter().map(Patch::size).sum::<usize>()
             + size_of::<Run>() * patches.runs.len();
-        let copies: usize = patches.patches.iter().map(|p| p.vertices.len()).sum();
+        let copies: usize = patches.list.iter().map(|p| p.vertices.len()).sum();
         (bytes, copies as f64 / self.topology.vertex_count() as f64)
     }
 
@@ -209,13 +220,9 @@ impl<'t> OnePass<'t> {
         assert_eq!(out.len(), self.result_count, "room for the results");
         let patches = match &self.engine {
             Engine::Patches(patches) => patches,
-            Engine::Sweeps(interpolator, pushback) => {
-                return self.sweep(interpolator, pushback.as_ref(), target, out);
-            }
+            Engine::Sweeps(sweeps) => return self.sweep(sweeps, target, out),
         };
         let exponent = exponent(target)?;
-        // Squares of lengths neither over- nor underflow.
-        const FAR: i32 = 400;
         if exponent.abs() <= FAR {
             return Ok(self.summary(patches.fit(self.level, target, exponent, out), 0));
         }
@@ -236,8 +243,7 @@ impl<'t> OnePass<'t> {
 
     fn sweep(
         &self,
-        interpolator: &Interpolator<'_>,
-        pushback: Option<&PushBack<'_>>,
+        Sweeps { interpolator, pushback }: &Sweeps<'_>,
         target: &[Vec3],
         out: &mut [Vec3],
     ) -> Result<Summary, Error> {
@@ -294,15 +300,14 @@ impl Patches {
         let (patch_of, count) = cut::cut(maker.rings, vertex_count, size);
         let of_vertex = |v: u32| patch_of[v as usize];
         let of_point = |i: u32| {
-            let v = match maker.rules.scheme {
-                Scheme::DooSabin => maker.special.vertex_of_image(i as usize),
-                _ => {
-                    let first = (i as usize).checked_sub(topology.edge_count());
-                    topology.origin(match first {
-                        None => topology.edge_halfedge(crate::EdgeId(i)),
-                        Some(f) => first_halfedge(topology, f as u32),
-                    })
-                }
+            let v = if maker.rules.scheme == Scheme::DooSabin {
+                maker.special.vertex_of_image(i as usize)
+            } else {
+                let first = (i as usize).checked_sub(topology.edge_count());
+                topology.origin(match first {
+                    None => topology.edge_halfedge(crate::EdgeId(i)),
+                    Some(f) => first_halfedge(topology, f as u32),
+                })
             };
             patch_of[v.index()]
         };
@@ -339,12 +344,12 @@ impl Patches {
         let mut run_count = alloc::vec![0; count];
         runs.iter().for_each(|run| run_count[run.patch as usize] += 1);
         let result_count = point_count + if has_vertices { vertex_count } else { 0 };
-        Some((Self { kernel: kernel.clone(), patches, runs, run_count }, result_count))
+        Some((Self { kernel: kernel.clone(), list: patches, runs, run_count }, result_count))
     }
 
     fn fit(&self, level: Level, target: &[Vec3], exponent: i32, out: &mut [Vec3]) -> Distances {
         const SMALL: usize = 1 << 12;
-        if self.patches.iter().all(|patch| patch.vertices.len() <= SMALL) {
+        if self.list.iter().all(|patch| patch.vertices.len() <= SMALL) {
             self.fit_with::<SMALL>(level, target, exponent, out)
         } else {
             self.fit_with::<{ 1 << 16 }>(level, target, exponent, out)
@@ -368,13 +373,13 @@ impl Patches {
             slices[run.patch as usize].push(own);
             rest = others;
         }
-        let mut jobs: Vec<Vec<(&Patch, Vec<&mut [Vec3]>)>> = Vec::new();
+        let mut jobs: Vec<Vec<Job<'_, '_>>> = Vec::new();
         let parts = match par::part_count() {
             1 => 1,
             threads => 8 * threads,
         };
-        let each = self.patches.len().div_ceil(parts);
-        for (i, job) in self.patches.iter().zip(slices).enumerate() {
+        let each = self.list.len().div_ceil(parts);
+        for (i, job) in self.list.iter().zip(slices).enumerate() {
             if i % each == 0 {
                 jobs.push(Vec::with_capacity(each));
             }
@@ -400,6 +405,9 @@ impl Patches {
         distances.into_iter().fold(Distances::default(), Distances::plus)
     }
 }
+
+/// A patch and where its results go.
+type Job<'p, 'o> = (&'p Patch, Vec<&'o mut [Vec3]>);
 
 fn first_halfedge(topology: &Topology, f: u32) -> HalfedgeId {
     topology.face_halfedges(crate::FaceId(f)).next().expect("a face has corners")

@@ -441,10 +441,10 @@ impl Kernel {
             corners = rest;
             let share = self.share.get(usize::from(size)).copied();
             let mut weight = share.unwrap_or_else(|| 1.0 / f64::from(size));
-            if SCHEME == DOO_SABIN {
-                if let Some(lambda) = patch.faces.lambda.get(f) {
-                    weight *= 1.0 - lambda;
-                }
+            if SCHEME == DOO_SABIN
+                && let Some(lambda) = patch.faces.lambda.get(f)
+            {
+                weight *= 1.0 - lambda;
             }
             face[f] = sum::<L, 4>(own, |q| x[usize::from(q) % N]).times(L::real(weight));
         }
