@@ -311,7 +311,8 @@ pub(crate) fn encode_blocks(
         })?;
         out.write_all(b"endsolid fairform\n")?;
     } else {
-        write_binary_header(shape.face_count * shape.face_size.saturating_sub(2), out)?;
+        let triangles = shape.face_count.saturating_mul(shape.face_size.saturating_sub(2));
+        write_binary_header(triangles, out)?;
         blocks.write_patches(out, |patch, out| {
             if !are_single(&patch.positions) {
                 rounded.store(true, Ordering::Relaxed);

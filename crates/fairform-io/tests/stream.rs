@@ -324,3 +324,58 @@ fn a_writer_that_fails_ends_it() {
         }
     }
 }
+
+/// A mesh of which nothing is made before it is refused.
+struct Huge(Shape<'static>);
+
+impl Blocks for Huge {
+    fn shape(&self) -> Shape<'_> {
+        self.0.clone()
+    }
+
+    fn vertex_block_count(&self) -> usize {
+        1 << 20
+    }
+
+    fn vertices(&self, _: usize, _: Attributes) -> MeshData {
+        panic!("not to be made")
+    }
+
+    fn face_block_count(&self) -> usize {
+        1 << 20
+    }
+
+    fn faces(&self, _: usize) -> MeshData {
+        panic!("not to be made")
+    }
+
+    fn labels_before(&self, _: usize) -> [Option<u32>; 2] {
+        [None; 2]
+    }
+
+    fn patch(&self, _: usize) -> Patch {
+        panic!("not to be made")
+    }
+}
+
+#[test]
+fn what_a_format_cannot_hold_is_refused_at_once() {
+    let shape = |vertex_count, face_count, face_size| Shape {
+        vertex_count,
+        face_count,
+        face_size,
+        ..Shape::default()
+    };
+    for (format, shape, why) in [
+        (Format::Glb, shape(200_000_000, 200_000_000, 3), "4 GiB"),
+        (Format::Stl, shape(2_000_000_000, 4_000_000_000, 4), "too many"),
+        (Format::Ply, shape(5_000_000_000, 1, 3), "too many"),
+        (Format::Ply, shape(9, 1, 2), "3 corners"),
+    ] {
+        let mut out = Vec::new();
+        let error = encode_blocks(format, &Huge(shape), &WriteOptions::default(), &mut out);
+        let error = error.unwrap_err().to_string();
+        assert!(error.contains(why), "{error}");
+        assert!(out.is_empty());
+    }
+}

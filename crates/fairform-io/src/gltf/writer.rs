@@ -109,6 +109,10 @@ pub(crate) fn encode_blocks(
     out: &mut dyn Write,
 ) -> Result<Vec<String>, Error> {
     let shape = &blocks.shape;
+    let triangles = shape.face_count.saturating_mul(shape.face_size.saturating_sub(2));
+    // Before anything is made for nothing.
+    let least = (shape.vertex_count as u64).saturating_add(triangles as u64).saturating_mul(12);
+    check_length(least)?;
     let positions = Attributes { positions: true, ..Attributes::NONE };
     let (mut bounds, mut count, mut bad, mut single) = (Vec::new(), 0, None, true);
     let look = |data: &MeshData| {
@@ -136,7 +140,6 @@ pub(crate) fn encode_blocks(
     let as_bytes = shape.colours && blocks.all_colours(|c| exact_bytes(c).is_some());
     let mut buffer = Buffer::default();
     let attributes = describe_attributes(shape, &union(bounds), as_bytes, &mut buffer);
-    let triangles = shape.face_count * shape.face_size.saturating_sub(2);
     let cut = if shape.face_size > 3 { shape.face_count } else { 0 };
     notes.extend(triangle_notes(cut, 0));
     let length = buffer.length + 12 * triangles;
@@ -328,6 +331,12 @@ fn fill_document(
     document["buffers"] = json!([{ "byteLength": buffer.length }]);
 }
 
+fn check_length(bytes: u64) -> Result<u32, Error> {
+    u32::try_from(bytes).map_err(|_| {
+        Error::Unwritable(format!("GLB files end at 4 GiB; this takes {bytes} bytes or more"))
+    })
+}
+
 /// All but the buffer of a GLB file, which follows.
 fn write_glb_header(document: &Value, size: usize, out: &mut dyn Write) -> Result<(), Error> {
     let mut json = serde_json::to_vec(document).map_err(std::io::Error::from)?;
@@ -335,11 +344,7 @@ fn write_glb_header(document: &Value, size: usize, out: &mut dyn Write) -> Resul
     json.resize(json.len().next_multiple_of(4), b' ');
     let chunk = if size == 0 { 0 } else { 8 + size };
     let length = 12 + 8 + json.len() + chunk;
-    let Ok(length) = u32::try_from(length) else {
-        return Err(Error::Unwritable(format!(
-            "GLB files end at 4 GiB; this takes {length} bytes"
-        )));
-    };
+    let length = check_length(length as u64)?;
     out.write_all(b"glTF")?;
     out.write_all(&2_u32.to_le_bytes())?;
     out.write_all(&length.to_le_bytes())?;
