@@ -1032,8 +1032,8 @@ fn face_rows(
             }
         }
         out.push(b'f');
-        for corner in start[face] as usize..start[face + 1] as usize {
-            let vertex = corners[corner];
+        let own = start[face] as usize..start[face + 1] as usize;
+        for (corner, &vertex) in own.clone().zip(&corners[own]) {
             let (uv, normal) = (uvs.get(corner, vertex), normals.get(corner, vertex));
             out.push(b' ');
             numbers.whole(out, u64::from(vertex) + 1);

@@ -15,6 +15,10 @@ use crate::error::Error;
 use crate::{Format, gltf, obj, off, par, ply, stl};
 
 /// What is known of a mesh before it is made.
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is an attribute that a mesh has or has not"
+)]
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Shape<'a> {
     /// Number of vertices.
@@ -46,6 +50,10 @@ pub struct Shape<'a> {
 }
 
 /// Some attributes of vertices.
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is an attribute that a mesh has or has not"
+)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Attributes {
     /// [`MeshData::positions`].
@@ -216,7 +224,7 @@ impl<'a> Checked<'a> {
         format: impl Fn(&MeshData, &mut Vec<u8>) + Sync,
     ) -> Result<(), Error> {
         let (fault, total) = (Fault::default(), AtomicUsize::new(0));
-        self.write(out, self.blocks.vertex_block_count(), &fault, |block, out| {
+        write(out, self.blocks.vertex_block_count(), &fault, |block, out| {
             let data = self.blocks.vertices(block, wanted);
             if let Some(count) = vertices_in(&data, wanted, &fault) {
                 total.fetch_add(count, Ordering::Relaxed);
@@ -234,7 +242,7 @@ impl<'a> Checked<'a> {
         format: impl Fn(&MeshData, [Option<u32>; 2], &mut Vec<u8>) + Sync,
     ) -> Result<(), Error> {
         let (fault, total) = (Fault::default(), AtomicUsize::new(0));
-        self.write(out, self.blocks.face_block_count(), &fault, |block, out| {
+        write(out, self.blocks.face_block_count(), &fault, |block, out| {
             let data = self.blocks.faces(block);
             if self.are_faces(&data, &fault) {
                 total.fetch_add(data.faces.len(), Ordering::Relaxed);
@@ -252,7 +260,7 @@ impl<'a> Checked<'a> {
         format: impl Fn(&Patch, &mut Vec<u8>) + Sync,
     ) -> Result<(), Error> {
         let (fault, total) = (Fault::default(), AtomicUsize::new(0));
-        self.write(out, self.blocks.face_block_count(), &fault, |block, out| {
+        write(out, self.blocks.face_block_count(), &fault, |block, out| {
             let patch = self.blocks.patch(block);
             let count = patch.positions.len();
             let is_known = fault.expect(patch.numbers.len(), count, "numbers of points");
@@ -263,24 +271,6 @@ impl<'a> Checked<'a> {
         })?;
         fault.expect(total.into_inner(), self.shape.face_count, "faces");
         fault.end()
-    }
-
-    fn write(
-        &self,
-        out: &mut dyn Write,
-        count: usize,
-        fault: &Fault,
-        format: impl Fn(usize, &mut Vec<u8>) + Sync,
-    ) -> Result<(), Error> {
-        // What is wrong is not written to the end.
-        let mut out = Stopping { out, fault };
-        let written = par::write_rows(&mut out, count, 1, |blocks: Range<usize>, out| {
-            blocks.for_each(|block| format(block, out));
-        });
-        match fault.0.lock().unwrap_or_else(PoisonError::into_inner).take() {
-            Some(text) => Err(Error::Unwritable(text)),
-            None => Ok(written?),
-        }
     }
 
     /// What `f` makes of the vertices of each block, a few at a time, until one is not to be followed
@@ -355,6 +345,23 @@ impl<'a> Checked<'a> {
             fault.note(format!("a face lists vertex {v} of {vertex_count}"));
         }
         is_uniform && outside.is_none()
+    }
+}
+
+/// Writes what `format` makes of each block, until there is a fault.
+fn write(
+    out: &mut dyn Write,
+    count: usize,
+    fault: &Fault,
+    format: impl Fn(usize, &mut Vec<u8>) + Sync,
+) -> Result<(), Error> {
+    let mut out = Stopping { out, fault };
+    let written = par::write_rows(&mut out, count, 1, |blocks: Range<usize>, out| {
+        blocks.for_each(|block| format(block, out));
+    });
+    match fault.0.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        Some(text) => Err(Error::Unwritable(text)),
+        None => Ok(written?),
     }
 }
 

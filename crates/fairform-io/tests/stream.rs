@@ -120,7 +120,7 @@ fn mesh(mesh: &fairform::Mesh, isolated: usize) -> MeshData {
 /// An open sheet of quadrilaterals, some of them bent inwards.
 fn quads(columns: u32, rows: u32) -> MeshData {
     let points = (0..(columns + 1) * (rows + 1)).map(|i| (i % (columns + 1), i / (columns + 1)));
-    let bend = |x: u32, y: u32| if (x + y) % 5 == 0 { 0.7 } else { 0.0 };
+    let bend = |x: u32, y: u32| if (x + y).is_multiple_of(5) { 0.7 } else { 0.0 };
     let place = |(x, y)| Vec3::new(f64::from(x) + bend(x, y), f64::from(y) + bend(x, y), 0.1);
     let cells = (0..rows).flat_map(|y| (0..columns).map(move |x| y * (columns + 1) + x));
     let corners = cells.flat_map(|v| [v, v + 1, v + columns + 2, v + columns + 1]).collect();
@@ -225,6 +225,9 @@ fn bytes_do_not_depend_on_threads() {
     assert!(one == bytes(2) && one == bytes(5));
 }
 
+/// Makes a block another than was promised.
+type Spoil = fn(&mut MeshData);
+
 /// Blocks of another mesh than the shape promises.
 struct Wrong<F>(Cut, F);
 
@@ -276,9 +279,9 @@ fn faults_are_found_and_leave_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("mesh.ply");
     std::fs::write(&path, "old").unwrap();
-    let faults: [(&str, fn(&mut MeshData)); 6] = [
-        ("vertices", |data| drop(data.positions.pop())),
-        ("values of vertices", |data| drop(data.normals.as_mut().and_then(Vec::pop))),
+    let faults: [(&str, Spoil); 6] = [
+        ("vertices", |data| data.positions.truncate(0)),
+        ("values of vertices", |data| data.normals = data.normals.as_ref().map(|_| vec![])),
         ("faces", |data| data.faces = Faces::new()),
         ("vertex 77", |data| data.faces = Faces::uniform(3, vec![0, 1, 77])),
         ("not 3 corners", |data| data.faces = Faces::uniform(4, vec![0, 1, 2, 3])),

@@ -141,6 +141,7 @@ impl Tessellation {
     ///
     /// # Errors
     /// As [`new`](Self::new).
+    #[expect(clippy::missing_panics_doc, reason = "only large grids leave too many faces")]
     pub fn from_level(
         topology: &Arc<Topology>,
         rules: &Rules,

@@ -45,11 +45,7 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
     let mut target = Surface::new(data, &source)?;
     clock.lap("read");
     rules::set(args.scheme.scheme, &args.rules, &mut target, console)?;
-    let finish = match args.limit || args.output.is_none() {
-        true => Finish::Limit,
-        false if target.normals.is_some() => Finish::LimitNormals,
-        false => Finish::Control,
-    };
+    let finish = finish(args, &target);
     // The sample's surface is drawn too.
     let streams = |surface: &Surface, levels| {
         args.output.is_some() && surface.can_stream(levels, finish, &output, &args.writing)
@@ -106,20 +102,10 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
     if let Some(path) = &args.control {
         input::write(path, &args.writing, &control.clone().into_control(), console)?;
     }
-    let counts = match &made {
-        Made::Meanwhile(fine) => {
-            input::write_blocks(&output, &args.writing, fine, console)?;
-            (fine.vertex_count(), fine.face_count())
-        }
-        Made::Whole(data) => {
-            input::write(&output, &args.writing, data, console)?;
-            if args.output.is_none() {
-                let picture = picture(&target.mesh, data)?;
-                input::save(Path::new(SAMPLE_PICTURE), &picture)?;
-            }
-            (data.positions.len(), data.faces.len())
-        }
-    };
+    let counts = made.write(&output, args, console)?;
+    if let (None, Made::Whole(data)) = (&args.output, &made) {
+        input::save(Path::new(SAMPLE_PICTURE), &picture(&target.mesh, data)?)?;
+    }
     clock.lap("write");
     drop(progress);
 
@@ -137,11 +123,41 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
     Ok(if report.is_converged() { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
+/// What is asked for of the surface.
+fn finish(args: &Fit, target: &Surface) -> Finish {
+    match args.limit || args.output.is_none() {
+        true => Finish::Limit,
+        false if target.normals.is_some() => Finish::LimitNormals,
+        false => Finish::Control,
+    }
+}
+
 /// The surface that is written.
 enum Made<'a> {
     Whole(MeshData),
     /// While it is written.
     Meanwhile(Fine<'a>),
+}
+
+impl Made<'_> {
+    /// Tells how many vertices and faces were written.
+    fn write(
+        &self,
+        output: &Path,
+        args: &Fit,
+        console: &Console,
+    ) -> Result<(usize, usize), Failure> {
+        match self {
+            Self::Whole(data) => {
+                input::write(output, &args.writing, data, console)?;
+                Ok((data.positions.len(), data.faces.len()))
+            }
+            Self::Meanwhile(fine) => {
+                input::write_blocks(output, &args.writing, fine, console)?;
+                Ok((fine.vertex_count(), fine.face_count()))
+            }
+        }
+    }
 }
 
 /// A control surface, and how it was found.
