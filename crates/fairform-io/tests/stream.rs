@@ -280,7 +280,7 @@ fn faults_are_found_and_leave_no_file() {
     let path = folder.path().join("mesh.ply");
     std::fs::write(&path, "old").unwrap();
     let faults: [(&str, Spoil); 6] = [
-        ("vertices", |data| data.positions.truncate(0)),
+        ("vertices in", |data| *data = MeshData { normals: Some(vec![]), ..MeshData::default() }),
         ("values of vertices", |data| data.normals = data.normals.as_ref().map(|_| vec![])),
         ("faces", |data| data.faces = Faces::new()),
         ("vertex 77", |data| data.faces = Faces::uniform(3, vec![0, 1, 77])),

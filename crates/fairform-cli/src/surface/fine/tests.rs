@@ -112,8 +112,11 @@ fn vertex(data: &MeshData, v: u32) -> Vec<i64> {
     all.into_iter().map(|x| (x * 1e6 + 0.123).round() as i64).collect()
 }
 
+/// Corners from the least on, group and material.
+type Face = (Vec<Vec<i64>>, Option<u32>, Option<u32>);
+
 /// All faces with what their corners are and have, sorted.
-fn faces(data: &MeshData) -> Vec<(Vec<Vec<i64>>, Option<u32>, Option<u32>)> {
+fn faces(data: &MeshData) -> Vec<Face> {
     let mut corner = 0;
     let mut all: Vec<_> = (0..data.faces.len())
         .map(|f| {
