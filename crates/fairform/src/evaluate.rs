@@ -50,8 +50,8 @@ mod patch;
 
 use graph::Graph;
 use map::Map;
-use neighbourhood::{Gatherer, Neighbourhood};
-pub(crate) use parts::Parts;
+pub(crate) use neighbourhood::{Gatherer, Neighbourhood};
+pub(crate) use parts::{Parts, face_count};
 use parts::{beginning, is_covered};
 pub(crate) use patch::Sector;
 

@@ -44,6 +44,7 @@ pub mod sphere;
 pub mod stencil;
 pub mod streamline;
 pub mod tension;
+pub mod tessellate;
 pub mod topology;
 pub mod vec3;
 
@@ -53,6 +54,7 @@ mod par;
 mod parted;
 mod rows;
 mod rules;
+mod wide;
 
 pub use crease::Creases;
 pub use error::{Defect, Defects, Error};

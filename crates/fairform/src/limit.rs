@@ -18,8 +18,8 @@ mod local;
 mod normals;
 pub(crate) mod operator;
 
-pub(crate) use normals::side_tangents;
 pub use normals::{limit_corner_normals, limit_normals, limit_tangents};
+pub(crate) use normals::{side_tangents, vertex_tangents};
 
 use local::{Local, local_rows};
 

@@ -122,6 +122,18 @@ impl Rows for PhaseOne<'_> {
     }
 }
 
+/// The values after a step, see [`Refined::apply`]; for rules that fit the topology.
+pub(crate) fn apply(coarse: &Topology, rules: &Rules, values: &[Vec3]) -> Vec<Vec3> {
+    assert_eq!(values.len(), coarse.vertex_count(), "one value per vertex");
+    match rules.scheme {
+        Scheme::Loop => rows::apply(&LoopRows::new(coarse, rules), values),
+        Scheme::CatmullClark => rows::apply(&CatmullClarkRows::new(coarse, rules), values),
+        Scheme::DooSabin => rows::apply(&DooSabinRows::new(coarse, rules), values),
+        Scheme::Butterfly => ButterflyRows::new(coarse).apply(values),
+        Scheme::Kobbelt => KobbeltRows::new(coarse, rules).apply(values),
+    }
+}
+
 impl Refined<'_> {
     /// The values at the finer vertices, from one value per coarser vertex: positions, or whatever
     /// else is to be as smooth.
@@ -130,16 +142,7 @@ impl Refined<'_> {
     /// If there is not one value per coarser vertex.
     #[must_use]
     pub fn apply(&self, values: &[Vec3]) -> Vec<Vec3> {
-        assert_eq!(values.len(), self.coarse.vertex_count(), "one value per vertex");
-        match self.rules.scheme {
-            Scheme::Loop => rows::apply(&LoopRows::new(self.coarse, self.rules), values),
-            Scheme::CatmullClark => {
-                rows::apply(&CatmullClarkRows::new(self.coarse, self.rules), values)
-            }
-            Scheme::DooSabin => rows::apply(&DooSabinRows::new(self.coarse, self.rules), values),
-            Scheme::Butterfly => ButterflyRows::new(self.coarse).apply(values),
-            Scheme::Kobbelt => KobbeltRows::new(self.coarse, self.rules).apply(values),
-        }
+        apply(self.coarse, self.rules, values)
     }
 
     /// The rows that [`apply`](Self::apply) stands for, one per finer vertex.

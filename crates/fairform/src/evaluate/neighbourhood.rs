@@ -12,13 +12,13 @@ use crate::{Creases, Faces, Topology};
 
 /// The faces round a face, or for Doo–Sabin round a vertex, cut out of a mesh. Where the cut makes a
 /// vertex fall into several fans, each has a copy of it.
-pub(super) struct Neighbourhood {
+pub(crate) struct Neighbourhood {
     /// The vertices in the mesh that this was cut out of; a vertex may come several times. The
     /// corners of the face come first, or the vertex.
-    pub(super) vertices: Vec<VertexId>,
+    pub(crate) vertices: Vec<VertexId>,
     /// How many of them the surface depends on. The others are there since the rules for the
     /// boundary depend on how many faces there are.
-    pub(super) value_count: usize,
+    pub(crate) value_count: usize,
     faces: Faces,
     twin: Vec<u32>,
     /// Sharpness of the edge of each half-edge, and of the corners of the face, where it matters;
@@ -28,15 +28,15 @@ pub(super) struct Neighbourhood {
 }
 
 /// A neighbourhood as a mesh by itself.
-pub(super) struct Local {
-    pub(super) topology: Topology,
-    pub(super) rules: Rules,
-    pub(super) value_count: usize,
+pub(crate) struct Local {
+    pub(crate) topology: Topology,
+    pub(crate) rules: Rules,
+    pub(crate) value_count: usize,
 }
 
 impl Neighbourhood {
     /// All that the rules can see.
-    pub(super) fn key(&self) -> Vec<u32> {
+    pub(crate) fn key(&self) -> Vec<u32> {
         let faces = &self.faces;
         let mut key = Vec::with_capacity(2 + faces.len() + 2 * self.twin.len());
         key.push(faces.len() as u32);
@@ -51,7 +51,7 @@ impl Neighbourhood {
         key
     }
 
-    pub(super) fn into_local(self, rules: &Rules) -> Local {
+    pub(crate) fn into_local(self, rules: &Rules) -> Local {
         let topology = Topology::from_twins(self.vertices.len(), &self.faces, self.twin);
         let mut creases = None;
         if !self.edge_sharpness.is_empty() {
@@ -71,7 +71,7 @@ impl Neighbourhood {
 }
 
 /// Cuts neighbourhoods out of a mesh.
-pub(super) struct Gatherer<'a> {
+pub(crate) struct Gatherer<'a> {
     topology: &'a Topology,
     rules: &'a Rules,
     /// The number of each face in the neighbourhood; [`NONE`] between two of them.
@@ -81,15 +81,14 @@ pub(super) struct Gatherer<'a> {
 }
 
 impl<'a> Gatherer<'a> {
-    pub(super) fn new(topology: &'a Topology, rules: &'a Rules) -> Self {
+    pub(crate) fn new(topology: &'a Topology, rules: &'a Rules) -> Self {
         let place = alloc::vec![NONE; topology.face_count()];
         Self { topology, rules, place, first: Vec::new() }
     }
 
     /// The neighbourhood of the face of `h`, with that corner first; for Doo–Sabin of the vertex where
     /// `h` begins, with that face first.
-    pub(super) fn gather(&mut self, h: HalfedgeId) -> Neighbourhood {
-        let topology = self.topology;
+    pub(crate) fn gather(&mut self, h: HalfedgeId) -> Neighbourhood {
         let corners: Vec<HalfedgeId> = self.corners(h).collect();
         if self.rules.scheme == Scheme::DooSabin {
             self.add_fan(h);
@@ -100,18 +99,43 @@ impl<'a> Gatherer<'a> {
             }
         }
         let near = self.first.len();
-        if self.rules.scheme == Scheme::Loop {
-            for v in
-                corners.iter().map(|&h| topology.origin(h)).filter(|&v| topology.is_boundary(v))
-            {
-                let (before, after) = boundary_neighbours(topology, v);
-                [before, after].into_iter().filter_map(|q| topology.outgoing(q)).for_each(|h| {
-                    self.add_fan(h);
-                });
-            }
+        self.add_boundary_fans(&corners);
+        self.finish(1, near)
+    }
+
+    /// The neighbourhoods of the faces of several half-edges as one; these faces first.
+    pub(crate) fn gather_all(
+        &mut self,
+        seeds: impl Iterator<Item = HalfedgeId> + Clone,
+    ) -> Neighbourhood {
+        seeds.clone().for_each(|h| self.add(h));
+        let count = self.first.len();
+        let mut corners: Vec<HalfedgeId> = seeds.flat_map(|h| self.corners(h)).collect();
+        // Each vertex once: the time is not to be quadratic in the valence.
+        corners.sort_by_key(|&h| self.topology.origin(h));
+        corners.dedup_by_key(|&mut h| self.topology.origin(h));
+        corners.iter().for_each(|&h| self.add_fan(h));
+        let near = self.first.len();
+        self.add_boundary_fans(&corners);
+        self.finish(count, near)
+    }
+
+    /// Loop's rules on the boundary depend on how many faces the neighbours there have.
+    fn add_boundary_fans(&mut self, corners: &[HalfedgeId]) {
+        if self.rules.scheme != Scheme::Loop {
+            return;
         }
-        let found = self.cut(near, corners.len());
-        self.first.drain(..).for_each(|h| self.place[topology.face(h).index()] = NONE);
+        let topology = self.topology;
+        for v in corners.iter().map(|&h| topology.origin(h)).filter(|&v| topology.is_boundary(v)) {
+            let (before, after) = boundary_neighbours(topology, v);
+            let outgoing = [before, after].into_iter().filter_map(|q| topology.outgoing(q));
+            outgoing.for_each(|h| self.add_fan(h));
+        }
+    }
+
+    fn finish(&mut self, seeds: usize, near: usize) -> Neighbourhood {
+        let found = self.cut(seeds, near);
+        self.first.drain(..).for_each(|h| self.place[self.topology.face(h).index()] = NONE);
         found
     }
 
@@ -139,7 +163,7 @@ impl<'a> Gatherer<'a> {
         }
     }
 
-    fn cut(&self, near: usize, corner_count: usize) -> Neighbourhood {
+    fn cut(&self, seeds: usize, near: usize) -> Neighbourhood {
         let topology = self.topology;
         let mut start = Vec::with_capacity(self.first.len() + 1);
         let mut halfedges = Vec::with_capacity(4 * self.first.len());
@@ -161,7 +185,7 @@ impl<'a> Gatherer<'a> {
 
         // A fan at a time, so that vertices are told apart by their fans.
         let (mut origin, mut vertices) = (alloc::vec![NONE; halfedges.len()], Vec::new());
-        let mut value_count = 0;
+        let (mut corner_count, mut value_count) = (0, 0);
         for i in 0..halfedges.len() {
             if origin[i] == NONE {
                 let number = vertices.len() as u32;
@@ -180,6 +204,9 @@ impl<'a> Gatherer<'a> {
                     }
                     at = topology.twin(h).map(|t| topology.next(t));
                 }
+            }
+            if i < start[seeds] {
+                corner_count = vertices.len();
             }
             if i < start[near] {
                 value_count = vertices.len();

@@ -83,7 +83,7 @@ pub(super) fn is_covered(finer: &Topology, next: &Rules, h: HalfedgeId) -> bool 
 }
 
 /// How many faces surround a part, those at two corners counted twice.
-fn face_count(finer: &Topology, next: &Rules, h: HalfedgeId) -> u64 {
+pub(crate) fn face_count(finer: &Topology, next: &Rules, h: HalfedgeId) -> u64 {
     let face = finer.face_vertices(finer.face(h));
     let around = |v: VertexId| -> u64 {
         let own = u64::from(finer.fan_size(v));

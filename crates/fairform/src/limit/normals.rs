@@ -124,6 +124,23 @@ pub fn limit_tangents(
     Ok(out)
 }
 
+/// [`limit_tangents`] of all sides, at some vertices.
+pub(crate) fn vertex_tangents(
+    topology: &Topology,
+    points: &[Vec3],
+    rules: &Rules,
+    vertices: &[VertexId],
+) -> Result<Vec<Vec<[Vec3; 2]>>, Error> {
+    let tangents = Tangents::new(topology, points, rules)?;
+    let of = |&v: &VertexId| {
+        let around: Vec<u32> = topology.ring(v).map(|q| q.0).collect();
+        let mut sides = Vec::new();
+        tangents.at(v, &around, |_, t| sides.push(t));
+        sides
+    };
+    Ok(vertices.iter().map(of).collect())
+}
+
 /// The tangents at the vertex where a half-edge begins, on the side of its face. For Loop and
 /// Catmull–Clark; rules that fit the topology.
 pub(crate) fn side_tangents(

@@ -1,0 +1,402 @@
+//! Many refinement steps at once: from a control mesh straight to the points of a fine mesh, or of
+//! its limit surface with unit normals, and its faces.
+//!
+//! [`refine_mesh`](crate::refine::refine_mesh) makes one mesh after the other. Here the points inside
+//! a face and on its sides are weighted sums of the vertices around the face, with weights that all
+//! faces share whose surroundings look alike; the weights are found by refining one of them by the
+//! rules for any mesh, so that boundaries, creases and shape parameters come out as there. Nothing
+//! between the two meshes is stored, but for one mesh of a sixteenth of the size or less:
+//! the first steps are made as ever, at least one and so many that [`MOST_AT_ONCE`] are left. Then
+//! shape parameters have done their work, and a face has few extraordinary corners.
+//!
+//! # Numbering
+//!
+//! Let the mesh after the first steps be the *base*, with $`V`$ vertices, $`E`$ edges and $`F`$ faces, and
+//! let $`j`$ steps be left: each face becomes a grid of $`N = 2^j`$ segments along its sides. The points
+//! are, in this order:
+//!
+//! - the $`V`$ vertices of the base, of which the first are those of the control mesh;
+//! - for each edge of the base its $`N - 1`$ inner points, in the direction of its
+//!   first half-edge: point $`t = 1, \dots, N - 1`$ of edge $`e`$ has the number $`V + e(N - 1) + t - 1`$;
+//! - for each face of the base its inner points, row by row. In the coordinates $`u`$ from the first
+//!   corner towards the second and $`v`$ towards the last, in segments, a row has one $`v`$. Triangles
+//!   have $`(N-1)(N-2)/2`$ such points, quadrilaterals $`(N-1)^2`$.
+//!
+//! The faces are those of each face of the base, $`4^j`$, row by row: in a quadrilateral
+//! $`(u,v), (u+1,v), (u+1,v+1), (u,v+1)`$; in a triangle $`(u,v), (u+1,v), (u,v+1)`$, followed by
+//! $`(u+1,v), (u+1,v+1), (u,v+1)`$ if that is inside.
+//!
+//! With Doo and Sabin's scheme, which is dual, and the interpolating ones, all steps are made one by
+//! one, and the numbering is that of [`refine`](crate::refine::refine()).
+
+#![expect(
+    clippy::inline_always,
+    reason = "what is compiled for the machine must be inlined into where that is chosen"
+)]
+
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+use core::ops::Range;
+
+use crate::error::Error;
+use crate::ids::{EdgeId, FaceId, HalfedgeId};
+use crate::refine::{self, check_size, refine};
+use crate::scheme::{Rules, Scheme};
+use crate::{Faces, Topology, Vec3, limit, par};
+
+mod cells;
+mod classes;
+mod grid;
+mod kernel;
+mod point;
+mod rest;
+mod surface;
+
+use cells::Cells;
+use classes::Task;
+use grid::Grid;
+pub use point::Point;
+use rest::RestPoints;
+pub use surface::Surface;
+
+/// Most steps that are made at once.
+pub const MOST_AT_ONCE: u32 = 3;
+
+/// Faces of the base that are worked on together.
+const BLOCK: usize = 512;
+
+/// Some points that lie one behind the other, and are made together: a few ten thousand at most.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Part {
+    /// Vertices of the base.
+    Vertices(Range<usize>),
+    /// The points on those edges whose first face is one of these faces of the base.
+    Sides(Range<usize>),
+    /// The points inside these faces of the base.
+    Inside(Range<usize>),
+}
+
+/// Which points are wanted.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Points {
+    /// The vertices of the refined control mesh.
+    Control,
+    /// Their limit points, which lie on the surface.
+    #[default]
+    Limit,
+}
+
+/// How the points of a fine mesh follow from the control points of a coarse one: for all meshes of one
+/// connectivity, so that the frames of an animation, or colours, share it.
+///
+/// ```
+/// use fairform::tessellate::{Points, Tessellation};
+/// use fairform::{Rules, shapes};
+///
+/// let mesh = shapes::icosahedron();
+/// let fine = Tessellation::new(mesh.topology(), &Rules::LOOP, 3, Points::Limit)?;
+/// let (positions, normals) = fine.surface(mesh.positions())?.points_and_normals();
+/// assert_eq!(positions.len(), 10 * 64 + 2);
+/// assert!(normals[7].dot(positions[7].normalized()) > 0.99);
+/// assert_eq!(fine.faces().len(), 20 * 64);
+/// # Ok::<(), fairform::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Tessellation {
+    /// From the control mesh to the base.
+    steps: Steps,
+    points: Points,
+    /// How the points of the base's faces are made; `None` if there are no others than its vertices.
+    plan: Option<Plan>,
+}
+
+#[derive(Clone, Debug)]
+struct Plan {
+    grid: Grid,
+    cells: Cells,
+}
+
+impl Tessellation {
+    /// Prepares so many steps. Time and memory are in proportion to the base, see the
+    /// [module](self).
+    ///
+    /// # Errors
+    /// As [`check_size`]; for limit points as [`limit_points`](crate::limit::limit_points).
+    pub fn new(
+        topology: &Arc<Topology>,
+        rules: &Rules,
+        levels: u32,
+        points: Points,
+    ) -> Result<Self, Error> {
+        let first = levels.saturating_sub(MOST_AT_ONCE).max(levels.min(1));
+        Self::from_level(topology, rules, first, levels, points)
+    }
+
+    /// Prepares so many steps, the `first` of which are made one by one: no more than are needed if
+    /// the control mesh is itself the result of a step. More than [`MOST_AT_ONCE`] are not made
+    /// at once, nor are any as long as there are shape parameters.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn from_level(
+        topology: &Arc<Topology>,
+        rules: &Rules,
+        first: u32,
+        levels: u32,
+        points: Points,
+    ) -> Result<Self, Error> {
+        check_size(topology, rules, levels)?;
+        let can_be_at_once = matches!(rules.scheme, Scheme::Loop | Scheme::CatmullClark);
+        let all_quadrilaterals = topology.uniform_face_size() == Some(4);
+        let is_ready = rules.tension.is_none()
+            && (rules.scheme == Scheme::Loop || all_quadrilaterals)
+            && topology.face_count() > 0;
+        let needed = levels.saturating_sub(MOST_AT_ONCE).max(u32::from(!is_ready));
+        let at_once = if can_be_at_once { levels.saturating_sub(first.max(needed)) } else { 0 };
+        let steps = Steps::new(Arc::clone(topology), rules.clone(), levels - at_once)?;
+        if points == Points::Limit {
+            limit::check(steps.topology(), steps.rules())?;
+        }
+        let mut plan = None;
+        if at_once > 0 && steps.topology().face_count() > 0 {
+            let corners = if rules.scheme == Scheme::Loop { 3 } else { 4 };
+            let grid = Grid::new(corners, at_once);
+            let task = Task { grid: &grid, rules: steps.rules(), points };
+            let cells = Cells::new(steps.topology(), task)?;
+            plan = Some(Plan { grid, cells });
+        }
+        Ok(Self { steps, points, plan })
+    }
+
+    /// The mesh whose faces are cut into grids, see the [module](self).
+    #[must_use]
+    pub fn base(&self) -> &Topology {
+        self.steps.topology()
+    }
+
+    /// Number of kinds of faces, each with weights of its own.
+    #[must_use]
+    pub fn class_count(&self) -> usize {
+        self.plan.as_ref().map_or(0, |plan| plan.cells.classes.list.len())
+    }
+
+    /// Number of points.
+    #[must_use]
+    pub fn vertex_count(&self) -> usize {
+        let base = self.base();
+        let (side, inner) = self.per_edge_and_face();
+        base.vertex_count() + base.edge_count() * side + base.face_count() * inner
+    }
+
+    /// Number of faces.
+    #[must_use]
+    pub fn face_count(&self) -> usize {
+        self.base().face_count() * self.plan.as_ref().map_or(1, |plan| plan.grid.face_count())
+    }
+
+    fn per_edge_and_face(&self) -> (usize, usize) {
+        self.plan.as_ref().map_or((0, 0), |plan| (plan.grid.side, plan.grid.inner))
+    }
+
+    /// The faces.
+    ///
+    /// # Panics
+    /// If there are 2³² or more corners.
+    #[must_use]
+    pub fn faces(&self) -> Faces {
+        let Some(plan) = &self.plan else { return self.base().to_faces() };
+        let size = plan.grid.corners;
+        let mut corners = alloc::vec![0; self.face_count() * size];
+        self.fill_faces(0..self.base().face_count(), &mut corners);
+        Faces::uniform(size as u32, corners)
+    }
+
+    /// Writes the corners of those faces that some faces of the base are cut into.
+    ///
+    /// # Panics
+    /// If there is not room for just so many.
+    pub fn fill_faces(&self, base_faces: Range<usize>, out: &mut [u32]) {
+        let base = self.base();
+        let Some(plan) = &self.plan else {
+            let all = base_faces.flat_map(|f| base.face_vertices(FaceId(f as u32)));
+            let mut out = out.iter_mut();
+            all.for_each(|v| *out.next().expect("room for the corners") = v.0);
+            assert!(out.next().is_none(), "room for the corners only");
+            return;
+        };
+        let per_face = plan.grid.faces.len();
+        assert_eq!(out.len(), base_faces.len() * per_face, "room for the corners");
+        let mut parts = Vec::new();
+        for (start, part) in base_faces.step_by(BLOCK).zip(out.chunks_mut(BLOCK * per_face)) {
+            parts.push((start, part));
+        }
+        par::in_parts(parts, |(start, part)| {
+            let mut numbers = alloc::vec![0; plan.grid.point_count()];
+            for (i, out) in part.chunks_exact_mut(per_face).enumerate() {
+                self.numbers(&plan.grid, start + i, &mut numbers);
+                for (slot, &point) in out.iter_mut().zip(&plan.grid.faces) {
+                    *slot = numbers[point as usize];
+                }
+            }
+        });
+    }
+
+    /// The number of each point of the grid of a face.
+    fn numbers(&self, grid: &Grid, face: usize, out: &mut [u32]) {
+        let base = self.base();
+        let (vertices, edges) = (base.vertex_count() as u32, base.edge_count() as u32);
+        let side = grid.side as u32;
+        let (corners, rest) = out.split_at_mut(grid.corners);
+        let (sides, inner) = rest.split_at_mut(grid.corners * grid.side);
+        for (i, slot) in corners.iter_mut().enumerate() {
+            let h = HalfedgeId((face * grid.corners + i) as u32);
+            *slot = base.origin(h).0;
+            let e = base.edge(h);
+            let first = vertices + e.0 * side;
+            let points = sides[i * grid.side..(i + 1) * grid.side].iter_mut().zip(0..side);
+            if base.edge_halfedge(e) == h {
+                points.for_each(|(slot, t)| *slot = first + t);
+            } else {
+                points.for_each(|(slot, t)| *slot = first + side - 1 - t);
+            }
+        }
+        let first = vertices + edges * side + (face * grid.inner) as u32;
+        inner.iter_mut().zip(first..).for_each(|(slot, number)| *slot = number);
+    }
+
+    /// All points in order, part by part: for those who cannot, or need not, have all in memory.
+    pub fn parts(&self) -> impl Iterator<Item = Part> + use<> {
+        let blocks = |len: usize, block: usize| {
+            (0..len).step_by(block).map(move |start| start..(start + block).min(len))
+        };
+        let face_count = if self.plan.is_some() { self.base().face_count() } else { 0 };
+        blocks(self.base().vertex_count(), par::BLOCK)
+            .map(Part::Vertices)
+            .chain(blocks(face_count, BLOCK).map(Part::Sides))
+            .chain(blocks(face_count, BLOCK).map(Part::Inside))
+    }
+
+    /// The numbers of the points of a part.
+    ///
+    /// # Panics
+    /// If the base has no such vertices or faces.
+    #[must_use]
+    pub fn numbers_of(&self, part: &Part) -> Range<usize> {
+        let (side, inner) = self.per_edge_and_face();
+        let base = self.base();
+        let first_of_edges = base.vertex_count();
+        let first_of_faces = first_of_edges + base.edge_count() * side;
+        let range = |r: &Range<usize>, first: usize, each: usize, most: usize| {
+            assert!(r.start <= r.end && r.end <= most, "{part:?} of {most}");
+            first + r.start * each..first + r.end * each
+        };
+        match part {
+            Part::Vertices(vertices) => range(vertices, 0, 1, base.vertex_count()),
+            Part::Inside(faces) => range(faces, first_of_faces, inner, base.face_count()),
+            Part::Sides(faces) => {
+                assert!(faces.end <= base.face_count(), "{part:?} of {}", base.face_count());
+                let edges = self.edges_before(faces.start)..self.edges_before(faces.end);
+                range(&edges, first_of_edges, side, base.edge_count())
+            }
+        }
+    }
+
+    /// The numbers of the points of a face of the base, those on its outline too: its corners, the points
+    /// on its sides in its own direction, and those inside.
+    ///
+    /// # Panics
+    /// If there is no such face.
+    #[must_use]
+    pub fn patch_numbers(&self, face: FaceId) -> Vec<u32> {
+        let Some(plan) = &self.plan else {
+            return self.base().face_vertices(face).iter().map(|v| v.0).collect();
+        };
+        let mut numbers = alloc::vec![0; plan.grid.point_count()];
+        self.numbers(&plan.grid, face.index(), &mut numbers);
+        numbers
+    }
+
+    /// The surface of certain control points.
+    ///
+    /// # Errors
+    /// As [`limit_normals`](crate::limit::limit_normals).
+    ///
+    /// # Panics
+    /// If there is not one point per vertex of the control mesh.
+    pub fn surface(&self, control: &[Vec3]) -> Result<Surface<'_>, Error> {
+        let points = self.steps.apply(control);
+        let (base, rules) = (self.base(), self.steps.rules());
+        let rest = match &self.plan {
+            Some(plan) => {
+                plan.cells.rest.as_ref().map(|r| r.apply(&points, self.points)).transpose()?
+            }
+            None => Some(RestPoints {
+                normals: limit::limit_normals(base, &points, rules)?,
+                positions: match self.points {
+                    Points::Control => points.clone(),
+                    Points::Limit => limit::limit_points(base, &points, rules)?,
+                },
+            }),
+        };
+        Ok(Surface::new(self, points, rest))
+    }
+
+    /// The edges whose points are those of some faces of the base: edges are numbered by their first
+    /// faces.
+    fn edges_before(&self, face: usize) -> usize {
+        let base = self.base();
+        let first = base.face_halfedges(FaceId(0)).len() * face;
+        let (mut low, mut high) = (0, base.edge_count());
+        while low < high {
+            let middle = usize::midpoint(low, high);
+            if base.edge_halfedge(EdgeId(middle as u32)).index() < first {
+                low = middle + 1;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    }
+}
+
+/// A topology and what some steps make of it.
+#[derive(Clone, Debug)]
+struct Steps {
+    levels: Vec<(Arc<Topology>, Rules)>,
+}
+
+impl Steps {
+    fn new(topology: impl Into<Arc<Topology>>, rules: Rules, count: u32) -> Result<Self, Error> {
+        let mut levels = alloc::vec![(topology.into(), rules)];
+        for _ in 0..count {
+            let (topology, rules) = &levels[levels.len() - 1];
+            let step = refine(topology, rules)?;
+            let next = (Arc::new(step.topology), step.next);
+            levels.push(next);
+        }
+        Ok(Self { levels })
+    }
+
+    fn last(&self) -> &(Arc<Topology>, Rules) {
+        self.levels.last().expect("the first is always there")
+    }
+
+    /// After the last step.
+    fn topology(&self) -> &Topology {
+        &self.last().0
+    }
+
+    /// For what follows the last step.
+    fn rules(&self) -> &Rules {
+        &self.last().1
+    }
+
+    fn apply(&self, values: &[Vec3]) -> Vec<Vec3> {
+        assert_eq!(values.len(), self.levels[0].0.vertex_count(), "one point per vertex");
+        let mut values = values.to_vec();
+        for (topology, rules) in &self.levels[..self.levels.len() - 1] {
+            values = refine::apply(topology, rules, &values);
+        }
+        values
+    }
+}

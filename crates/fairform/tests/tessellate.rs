@@ -1,0 +1,294 @@
+//! Many steps at once give what one after the other gives.
+
+mod common;
+
+use common::{assorted, polygons, random_creases, random_mesh};
+use fairform::refine::refine_mesh;
+use fairform::tessellate::{Points, Tessellation};
+use fairform::{Border, Corners, FaceId, Mesh, Rules, Scheme, Topology, Vec3, limit, shapes};
+use proptest::prelude::*;
+use std::collections::BTreeMap;
+
+/// For each point of a tessellation its vertex in the mesh that was refined step by step: the grid
+/// of each face of the base is followed through the steps.
+fn map(fine: &Tessellation, finest: &Topology, levels: u32) -> Vec<u32> {
+    if levels == 0 {
+        return (0..fine.vertex_count() as u32).collect();
+    }
+    let base = fine.base();
+    let faces = fine.faces();
+    let mut map = vec![u32::MAX; fine.vertex_count()];
+    let per_face = faces.len() / base.face_count();
+    for f in 0..base.face_count() {
+        // The step by step children by their coordinates, and the faces row by row.
+        let k = base.face_vertices(FaceId(f as u32)).len();
+        let n = 1_i32 << levels;
+        let corners = if k == 3 {
+            vec![[0, 0], [n, 0], [0, n]]
+        } else {
+            vec![[0, 0], [n, 0], [n, n], [0, n]]
+        };
+        let mut vertex = BTreeMap::new();
+        descend(finest, f, levels, &corners, &mut vertex);
+        let mut here = (f * per_face..).map(|i| faces.get(FaceId(i as u32)));
+        for v in 0..n {
+            for u in 0..if k == 3 { n - v } else { n } {
+                let mut cells = vec![vec![[u, v], [u + 1, v], [u, v + 1]]];
+                if k == 4 {
+                    cells = vec![vec![[u, v], [u + 1, v], [u + 1, v + 1], [u, v + 1]]];
+                } else if u + v + 1 < n {
+                    cells.push(vec![[u + 1, v], [u + 1, v + 1], [u, v + 1]]);
+                }
+                for cell in cells {
+                    for (at, &point) in cell.iter().zip(here.next().unwrap()) {
+                        let other = vertex[at];
+                        let known = &mut map[point as usize];
+                        assert!(*known == u32::MAX || *known == other, "one point, one vertex");
+                        *known = other;
+                    }
+                }
+            }
+        }
+    }
+    for (v, slot) in map.iter_mut().enumerate().filter(|m| *m.1 == u32::MAX) {
+        assert!(v < base.vertex_count(), "point {v} is in no face");
+        *slot = v as u32;
+    }
+    map
+}
+
+fn descend(
+    finest: &Topology,
+    face: usize,
+    levels: u32,
+    at: &[[i32; 2]],
+    out: &mut BTreeMap<[i32; 2], u32>,
+) {
+    if levels == 0 {
+        let corners = finest.face_vertices(FaceId(face as u32));
+        at.iter()
+            .zip(corners)
+            .for_each(|(&at, v)| assert!(out.insert(at, v.0).is_none_or(|w| w == v.0)));
+        return;
+    }
+    let k = at.len();
+    let mid = |i: usize, j: usize| [0, 1].map(|c| i32::midpoint(at[i % k][c], at[j % k][c]));
+    for i in 0..4 {
+        let child = match (k, i) {
+            (3, 3) => vec![mid(0, 1), mid(1, 2), mid(2, 0)],
+            (3, _) => vec![at[i % k], mid(i, i + 1), mid(i + 2, i)],
+            _ => vec![at[i % k], mid(i, i + 1), mid(0, 2), mid(i + 3, i)],
+        };
+        descend(finest, 4 * face + i, levels - 1, &child, out);
+    }
+}
+
+/// Compares with step by step refinement, and tells how many classes there were.
+fn check(mesh: &Mesh, rules: &Rules, first: u32, levels: u32, name: &str) -> usize {
+    let (stepped, next) = refine_mesh(mesh, rules, levels).unwrap();
+    let (topology, values) = (stepped.topology(), stepped.positions());
+    let diagonal = mesh.bounds().diagonal();
+    let mut classes = 0;
+    for points in [Points::Control, Points::Limit] {
+        let fine = Tessellation::from_level(mesh.topology(), rules, first, levels, points).unwrap();
+        classes = fine.class_count();
+        assert_eq!(fine.vertex_count(), topology.vertex_count(), "{name}");
+        assert_eq!(fine.face_count(), topology.face_count(), "{name}");
+        let expected = match points {
+            Points::Control => values.to_vec(),
+            Points::Limit => limit::limit_points(topology, values, &next).unwrap(),
+        };
+        let tangents = limit::limit_tangents(topology, values, &next).unwrap();
+        let expected_normals = limit::limit_normals(topology, values, &next).unwrap();
+        let (positions, normals) = fine.surface(mesh.positions()).unwrap().points_and_normals();
+        let at_once = {
+            let mut at_once = 0;
+            while fine.base().face_count() << (2 * at_once) < fine.face_count() {
+                at_once += 1;
+            }
+            at_once
+        };
+        let map = map(&fine, topology, at_once);
+        let mut seen = vec![false; map.len()];
+        for (i, &v) in map.iter().enumerate() {
+            assert!(!std::mem::replace(&mut seen[v as usize], true), "{name}: vertex {v} twice");
+            let v = v as usize;
+            let off = (positions[i] - expected[v]).length();
+            assert!(off <= 1e-13 * diagonal, "{name} {points:?} point {i} is {off:e} off");
+            // Where tangents are nearly parallel, or as good as zero, a normal is not well defined.
+            if name.starts_with("back to back") {
+                continue;
+            }
+            let [a, b] = tangents[v].map(Vec3::normalized);
+            let sine = a.cross(b).length();
+            let off = (normals[i] - expected_normals[v]).length();
+            // The normals of both sides of a crease may nearly cancel.
+            let tolerance = if rules.creases.is_some() { 1e-9 } else { 1e-12 };
+            assert!(off * sine <= tolerance, "{name} {points:?} normal {i} is {off:e} off");
+        }
+        // Vertices stay what they are.
+        assert!(map[..mesh.topology().vertex_count()].iter().zip(0..).all(|(&v, i)| v == i));
+    }
+    classes
+}
+
+/// Triangle and polygon meshes with the schemes that they suit.
+fn suited() -> Vec<(Scheme, &'static str, Mesh)> {
+    let triangles = assorted().into_iter().map(|(name, mesh)| (Scheme::Loop, name, mesh));
+    let polygons = polygons().into_iter().map(|(name, mesh)| (Scheme::CatmullClark, name, mesh));
+    triangles.chain(polygons).collect()
+}
+
+#[test]
+fn steps_at_once_are_the_steps() {
+    for (scheme, name, mesh) in suited() {
+        for corners in [Corners::Smooth, Corners::Sharp] {
+            let rules = Rules { corners, ..scheme.into() };
+            for (first, levels) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 3)] {
+                check(&mesh, &rules, first, levels, &format!("{name} {first} {levels}"));
+            }
+        }
+    }
+}
+
+#[test]
+fn sharp_and_fading_creases_are_the_same_at_once() {
+    for (scheme, name, mesh) in suited() {
+        for seed in [3, 11] {
+            let creases = Some(random_creases(mesh.topology(), seed, 40).into());
+            let rules = Rules { creases, ..scheme.into() };
+            for (first, levels) in [(0, 1), (0, 2), (1, 3)] {
+                check(&mesh, &rules, first, levels, &format!("{name} {seed} {first} {levels}"));
+            }
+        }
+    }
+}
+
+#[test]
+fn shape_parameters_and_support_are_the_same_at_once() {
+    for (scheme, name, mesh) in suited() {
+        let tension = (0..mesh.topology().face_count()).map(|f| 0.5 + 0.125 * (f % 5) as f64);
+        let rules = Rules { tension: Some(tension.collect()), ..scheme.into() };
+        check(&mesh, &rules, 0, 3, name);
+        check(&mesh, &Rules { border: Border::None, ..scheme.into() }, 1, 3, name);
+    }
+}
+
+#[test]
+fn the_other_schemes_go_step_by_step() {
+    let fine = |mesh: &Mesh, rules: &Rules| {
+        let fine = Tessellation::new(mesh.topology(), rules, 2, Points::Limit).unwrap();
+        let (stepped, next) = refine_mesh(mesh, rules, 2).unwrap();
+        let expected = common::limit_points(&stepped, &next);
+        assert_eq!(fine.surface(mesh.positions()).unwrap().points(), expected);
+        assert_eq!(fine.faces(), stepped.topology().to_faces());
+    };
+    for (_, mesh) in [("", shapes::icosahedron()), ("", shapes::fan(5))] {
+        fine(&mesh, &Scheme::Butterfly.into());
+        fine(&mesh, &Scheme::DooSabin.into());
+    }
+    fine(&common::quad_sheet(4, 4), &Scheme::Kobbelt.into());
+    fine(&common::mixed(), &Scheme::DooSabin.into());
+}
+
+/// A vertex where so much meets that its faces have no class, and others that do.
+#[test]
+fn a_hub_goes_step_by_step() {
+    for n in [60, 89, 90, 91, 200] {
+        let rules = Rules::LOOP;
+        let classes = check(&shapes::bipyramid(n), &rules, 1, 2, &format!("bipyramid {n}"));
+        assert!(classes > 0);
+    }
+    check(&shapes::fan(200), &Rules::LOOP, 0, 2, "fan");
+    check(&common::prism(70), &Scheme::CatmullClark.into(), 1, 3, "prism");
+}
+
+/// Base, numbers of steps and classes of meshes of one valence, however large.
+#[test]
+fn a_base_has_few_classes() {
+    let torus = shapes::torus(9, 12);
+    assert_eq!(check(&torus, &Rules::LOOP, 1, 3, "torus"), 1);
+    let fine = Tessellation::new(torus.topology(), &Rules::LOOP, 5, Points::Limit).unwrap();
+    assert_eq!(fine.base().face_count(), 16 * torus.topology().face_count());
+    assert_eq!(check(&shapes::icosahedron(), &Rules::LOOP, 1, 3, "icosahedron"), 2);
+}
+
+#[test]
+fn results_do_not_depend_on_threads() {
+    let mesh = random_mesh(5, 300, 5);
+    let fine = || {
+        let fine = Tessellation::new(mesh.topology(), &Rules::LOOP, 3, Points::Limit).unwrap();
+        let points = fine.surface(mesh.positions()).unwrap().points_and_normals();
+        (points, fine.faces())
+    };
+    let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
+    let one = pool(1).install(fine);
+    assert!(one == pool(2).install(fine) && one == pool(5).install(fine));
+}
+
+/// Patches and parts are what the whole is, bit for bit.
+#[test]
+fn patches_and_parts_make_the_whole() {
+    let mut cases = vec![
+        (random_mesh(8, 40, 3), Rules::LOOP, 3),
+        (shapes::bipyramid(100), Rules::LOOP, 3),
+        (common::mixed(), Scheme::CatmullClark.into(), 2),
+        (common::mixed(), Scheme::DooSabin.into(), 2),
+        (shapes::cube(), Scheme::CatmullClark.into(), 4),
+    ];
+    let creases = Some(random_creases(cases[0].0.topology(), 7, 30).into());
+    cases.push((cases[0].0.clone(), Rules { creases, ..Rules::LOOP }, 2));
+    for (mesh, rules, levels) in cases {
+        let fine = Tessellation::new(mesh.topology(), &rules, levels, Points::Limit).unwrap();
+        let surface = fine.surface(mesh.positions()).unwrap();
+        let (positions, normals) = surface.points_and_normals();
+        let mut end = 0;
+        for part in fine.parts() {
+            let numbers = fine.numbers_of(&part);
+            assert_eq!(numbers.start, end);
+            end = numbers.end;
+            let mut p = vec![Vec3::ZERO; numbers.len()];
+            let mut n = p.clone();
+            surface.fill_part(&part, &mut p, Some(&mut n));
+            assert_eq!(p, positions[numbers.clone()], "{part:?}");
+            assert_eq!(n, normals[numbers], "{part:?}");
+        }
+        assert_eq!(end, positions.len());
+        for face in fine.base().faces() {
+            let numbers = fine.patch_numbers(face);
+            let at = |all: &[Vec3]| numbers.iter().map(|&i| all[i as usize]).collect::<Vec<_>>();
+            assert_eq!(surface.patch(face), (at(&positions), at(&normals)), "{face}");
+        }
+    }
+}
+
+/// Single precision is double precision rounded; positions alone are the same as with normals.
+#[test]
+fn formats_agree() {
+    let mesh = random_mesh(8, 40, 3);
+    let fine = Tessellation::new(mesh.topology(), &Rules::LOOP, 3, Points::Limit).unwrap();
+    let surface = fine.surface(mesh.positions()).unwrap();
+    let (positions, normals) = surface.points_and_normals();
+    assert_eq!(surface.points(), positions);
+    let mut single = [vec![[0.0_f32; 3]; positions.len()], vec![[0.0_f32; 3]; positions.len()]];
+    let [p, n] = &mut single;
+    surface.fill(p, Some(n));
+    let rounded = |all: &[Vec3]| all.iter().map(|&p| p.into()).collect::<Vec<[f32; 3]>>();
+    assert!(single == [rounded(&positions), rounded(&normals)]);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn any_mesh(seed: u64, splits in 0_usize..12, holes in 0_usize..4, share in 0_u64..60) {
+        let mesh = random_mesh(seed, splits, holes);
+        for scheme in [Scheme::Loop, Scheme::CatmullClark] {
+            let smooth = Rules::from(scheme);
+            let creases = Some(random_creases(mesh.topology(), seed, share).into());
+            check(&mesh, &smooth, 1, 2, "smooth");
+            check(&mesh, &smooth, 0, 2, "smooth");
+            check(&mesh, &Rules { creases, ..smooth }, 1, 2, "creased");
+        }
+    }
+}
