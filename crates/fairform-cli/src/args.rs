@@ -91,7 +91,7 @@ pub(crate) struct Fit {
     pub(crate) rules: RuleOptions,
     /// Solver; all have the same answer. `auto` is the fastest that is safe on any mesh, `plain` the
     /// process as published.
-    #[arg(long, default_value_t = Method::Auto, value_name = "auto|plain|weighted|chebyshev|cg")]
+    #[arg(long, default_value_t = Method::Auto, value_name = "auto|plain|weighted|chebyshev|cg|one-pass")]
     pub(crate) method: Method,
     /// Largest distance from a vertex to its limit point [default: 1e-6, unless --iterations is
     /// given].

@@ -94,6 +94,7 @@ fn row(name: &str, scheme: Scheme, mesh: &Mesh, levels: u32, threads: usize) {
         single_fresh,
         single_again,
         all,
+        stepped,
         write_new,
         write_again,
     ]

@@ -28,8 +28,10 @@ use crate::solve::LinearOperator as Operator;
 use crate::solve::direct::Entries as Operator;
 
 mod level_one;
+mod one_pass;
 
 pub use level_one::{Fit, fit_mesh};
+pub use one_pass::{Certificate, MOST_STEPS};
 
 /// How control points are found. All methods have the same answer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -49,11 +51,15 @@ pub enum Method {
     /// Factorising, with the feature `direct`.
     #[cfg(feature = "direct")]
     Direct,
+    /// Chebyshev's recurrence patch by patch, in one pass over memory, for the spectrum that meshes have
+    /// in practice, see [`onepass`](crate::onepass); then [`Auto`](Self::Auto) from there, if the
+    /// tolerance was missed. Makes at most [`MOST_STEPS`] updates.
+    OnePass,
 }
 
 impl Method {
     /// All methods.
-    pub const ALL: [Self; 5 + cfg!(feature = "direct") as usize] = [
+    pub const ALL: [Self; 6 + cfg!(feature = "direct") as usize] = [
         Self::Auto,
         Self::Plain,
         Self::Weighted,
@@ -61,6 +67,7 @@ impl Method {
         Self::ConjugateGradients,
         #[cfg(feature = "direct")]
         Self::Direct,
+        Self::OnePass,
     ];
 
     /// Whether it needs a symmetric operator, see [`Error::NotSymmetric`].
@@ -84,6 +91,7 @@ impl Method {
             Self::ConjugateGradients => "cg",
             #[cfg(feature = "direct")]
             Self::Direct => "direct",
+            Self::OnePass => "one-pass",
         }
     }
 }
@@ -150,9 +158,9 @@ macro_rules! from_name {
     )*};
 }
 #[cfg(not(feature = "direct"))]
-const METHODS: &str = "auto, plain, weighted, chebyshev, cg";
+const METHODS: &str = "auto, plain, weighted, chebyshev, cg, one-pass";
 #[cfg(feature = "direct")]
-const METHODS: &str = "auto, plain, weighted, chebyshev, cg, direct";
+const METHODS: &str = "auto, plain, weighted, chebyshev, cg, direct, one-pass";
 
 from_name!(Method: METHODS, Norm: "diagonal, longest-side, absolute");
 
@@ -226,6 +234,8 @@ pub enum StageName {
     Boundary,
     /// All others, with the boundary known.
     Interior,
+    /// All vertices at once, whatever they lie on.
+    Whole,
     /// Fairing, which comes last and is no stage of a report. Its errors are about how far points still
     /// have to go.
     Fairing,
@@ -239,6 +249,7 @@ impl StageName {
             Self::Closed => "closed",
             Self::Boundary => "boundary",
             Self::Interior => "interior",
+            Self::Whole => "whole",
             Self::Fairing => "fairing",
         }
     }
@@ -278,6 +289,8 @@ pub struct FitReport {
     pub pushed_back: Option<f64>,
     /// What fairing did, if it was asked for. Its energies are in units of [`unit`](Self::unit) squared.
     pub fairing: Option<Fairing>,
+    /// What is known of a fit in one pass, before and after it.
+    pub certificate: Option<Certificate>,
 }
 
 impl FitReport {
@@ -445,6 +458,9 @@ impl<'t> Interpolator<'t> {
         observer: &mut Observer<'_>,
     ) -> Result<(Vec<Vec3>, FitReport), Error> {
         let scaled = self.scaled(target, options)?;
+        if options.method == Method::OnePass && !self.stages.is_empty() {
+            return self.fit_in_one_pass(scaled, options, observer);
+        }
         let solver = Solver::Method(options.method);
         let (control, stages) = self.solve(&scaled, solver, scaled.stop, observer)?;
         let limit = limit_points(self.topology, &control, self.rules)?;
@@ -513,6 +529,7 @@ impl<'t> Interpolator<'t> {
             unit: libm::ldexp(unit, scaled.exponent),
             pushed_back: None,
             fairing: None,
+            certificate: None,
         }
     }
 
@@ -560,7 +577,7 @@ enum Solver {
 }
 
 /// The exponent of the power of two that is to be divided out, so that all is about one.
-fn exponent(target: &[Vec3]) -> Result<i32, Error> {
+pub(crate) fn exponent(target: &[Vec3]) -> Result<i32, Error> {
     let blocks = par::blocks(target.len(), |range| {
         range.fold(0.0_f64, |largest, v| {
             assert!(target[v].is_finite(), "target {v} is finite");
@@ -575,7 +592,7 @@ fn exponent(target: &[Vec3]) -> Result<i32, Error> {
     Ok(if largest == 0.0 { 0 } else { libm::ilogb(largest) })
 }
 
-fn ldexp(v: Vec3, exponent: i32) -> Vec3 {
+pub(crate) fn ldexp(v: Vec3, exponent: i32) -> Vec3 {
     if exponent == 0 {
         return v;
     }
@@ -636,7 +653,7 @@ fn run<A: Operator>(
         return solve::stationary(operator, target, x, interval, stop, observer);
     };
     let interval = match method {
-        Method::Auto => Interval::Hopeful { usual, guaranteed },
+        Method::Auto | Method::OnePass => Interval::Hopeful { usual, guaranteed },
         Method::Plain => Interval::Plain,
         Method::Weighted => Interval::Weighted { smallest: guaranteed },
         Method::Chebyshev => Interval::Chebyshev { smallest: guaranteed },
@@ -733,25 +750,30 @@ struct Bound {
     usual: f64,
 }
 
-/// Lower bounds for the eigenvalues of the limit operator among some vertices, guaranteed (not positive
-/// where nothing is known) and usual: the operator is block triangular, so its spectrum is that of the
-/// stages.
+/// Lower bounds for the eigenvalues of the limit operator on all vertices at once, guaranteed (not positive
+/// where nothing is known) and usual: the operator is block triangular, so its spectrum is that of the stages.
+pub(crate) fn whole_bound(topology: &Topology, rules: &Rules) -> [f64; 2] {
+    let parts = Parts::new(topology, rules);
+    bound_of(topology, rules, !parts.curves.is_empty(), &parts.others)
+}
+
+/// [`whole_bound`] of some vertices only, without asking which of them make stages of their own.
 pub(crate) fn bound_among(topology: &Topology, rules: &Rules, vertices: &[u32]) -> [f64; 2] {
     let used = vertices.iter().copied().filter(|&v| !topology.is_isolated(VertexId(v)));
     let (curves, others): (Vec<u32>, Vec<u32>) =
         used.partition(|&v| topology.is_boundary(VertexId(v)));
-    let mut whole = Bound { guaranteed: 1.0, usual: 1.0 };
-    let mut add = |bound: Bound| {
-        whole.guaranteed = whole.guaranteed.min(bound.guaranteed);
-        whole.usual = whole.usual.min(bound.usual.max(bound.guaranteed));
-    };
-    if !curves.is_empty() {
-        add(curve_bound(topology, rules));
+    bound_of(topology, rules, !curves.is_empty(), &others)
+}
+
+fn bound_of(topology: &Topology, rules: &Rules, has_curves: bool, others: &[u32]) -> [f64; 2] {
+    let curves = has_curves.then(|| curve_bound(topology, rules));
+    let others = (!others.is_empty()).then(|| interior_bound(topology, rules, others));
+    let mut whole = [1.0_f64; 2];
+    for bound in curves.into_iter().chain(others) {
+        let usual = bound.usual.max(bound.guaranteed);
+        whole = [whole[0].min(bound.guaranteed), whole[1].min(usual)];
     }
-    if !others.is_empty() {
-        add(interior_bound(topology, rules, &others));
-    }
-    [whole.guaranteed, whole.usual]
+    whole
 }
 
 fn curve_bound(topology: &Topology, rules: &Rules) -> Bound {

@@ -33,6 +33,7 @@ pub mod ids;
 pub mod interpolate;
 pub mod limit;
 pub mod mesh;
+pub mod onepass;
 pub mod pushback;
 pub mod refine;
 pub mod repair;

@@ -14,7 +14,7 @@ use crate::tension::Shares;
 use crate::{Stencils, Topology, Vec3};
 
 mod interpolating;
-mod local;
+pub(crate) mod local;
 mod normals;
 pub(crate) mod operator;
 

@@ -15,6 +15,7 @@ pub(crate) mod direct;
 mod stationary;
 
 pub use conjugate_gradients::conjugate_gradients;
+pub(crate) use stationary::chebyshev_steps;
 pub use stationary::{Interval, stationary};
 
 /// Rows that are gathered one by one. Unknowns come first, then values that are known.

@@ -318,6 +318,24 @@ impl Tessellation {
         numbers
     }
 
+    /// The faces that a face of the base is cut into, in the points of
+    /// [`patch_numbers`](Self::patch_numbers).
+    ///
+    /// # Panics
+    /// If there is no such face.
+    #[must_use]
+    pub fn patch_faces(&self, face: FaceId) -> Faces {
+        match &self.plan {
+            Some(plan) => {
+                let corners = plan.grid.faces.iter().map(|&point| u32::from(point)).collect();
+                Faces::uniform(plan.grid.corners as u32, corners)
+            }
+            None => core::iter::once(self.patch_numbers(face))
+                .map(|all| (0..all.len() as u32).collect::<Vec<_>>())
+                .collect(),
+        }
+    }
+
     /// The surface of certain control points.
     ///
     /// # Errors
@@ -343,11 +361,10 @@ impl Tessellation {
         Ok(Surface::new(self, points, rest))
     }
 
-    /// The edges whose points are those of some faces of the base: edges are numbered by their first
-    /// faces.
+    /// How many edges begin with faces before this one: edges are numbered by their first faces.
     fn edges_before(&self, face: usize) -> usize {
-        let base = self.base();
-        let first = base.face_halfedges(FaceId(0)).len() * face;
+        let (base, corners) = (self.base(), self.plan.as_ref().map_or(0, |p| p.grid.corners));
+        let first = corners * face;
         let (mut low, mut high) = (0, base.edge_count());
         while low < high {
             let middle = usize::midpoint(low, high);

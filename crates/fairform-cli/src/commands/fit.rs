@@ -100,6 +100,7 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
         input::save(path, plot(&report, &options, &target.rules).as_bytes())?;
     }
     tell(args, &output, &data, &report, &clock, console);
+    tell_certificate(&report, console);
     tell_of_level(args, level, singular, &report, console);
     console.result(&summary)?;
     Ok(if report.is_converged() { ExitCode::SUCCESS } else { ExitCode::from(1) })
@@ -240,6 +241,23 @@ fn tell(
     }
 }
 
+/// What is known of a fit in one pass.
+fn tell_certificate(report: &FitReport, console: &Console) {
+    let Some(certificate) = report.certificate else { return };
+    let bound = match (certificate.condition(), certificate.predicted) {
+        (Some(condition), Some(predicted)) => {
+            format!(
+                "condition number at most {condition:.2}, error at most {predicted:.1e} by that"
+            )
+        }
+        _ => "no bound of the condition number".into(),
+    };
+    console.note(format!(
+        "one pass of {} iterations: {bound}; error max {:.3e} before, {:.3e} after",
+        certificate.steps, certificate.first, certificate.residual
+    ));
+}
+
 /// Says when the control mesh is one level finer than the mesh, and why.
 fn tell_of_level(args: &Fit, level: u32, singular: usize, report: &FitReport, console: &Console) {
     if level == 0 {
@@ -317,6 +335,14 @@ fn summary(
             "iterations": fairing.updates,
             "before": fairing.before,
             "after": fairing.after,
+        })),
+        "certificate": report.certificate.map(|certificate| json!({
+            "iterations": certificate.steps,
+            "smallest_eigenvalue": certificate.smallest_eigenvalue,
+            "condition": certificate.condition(),
+            "first": certificate.first,
+            "predicted": certificate.predicted,
+            "residual": certificate.residual,
         })),
         "stages": stages,
         "max": report.max,

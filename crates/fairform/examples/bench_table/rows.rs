@@ -7,6 +7,7 @@
 use std::ops::ControlFlow;
 
 use fairform::interpolate::{FitReport, Interpolator, Method, Options};
+use fairform::onepass::{self, Level, OnePass};
 use fairform::{Rules, Topology, Vec3, limit, refine};
 
 use crate::Samples;
@@ -27,6 +28,9 @@ const RINGS: f64 = 2.0 * PER_HALFEDGE + 2.0 * INDEX;
 /// The limit operator: where rows begin, and the neighbours.
 const OPERATOR: f64 = INDEX + PER_HALFEDGE;
 
+/// Patches with halos, as [`OnePass::patch_bytes`] tells.
+const PATCHES: f64 = 47.0;
+
 /// One line of the table, for one mesh and one number of threads.
 #[derive(Clone)]
 pub(crate) struct Row {
@@ -44,6 +48,14 @@ pub(crate) enum What {
     Limit,
     Normals,
     Prepare,
+    /// Cutting into patches for exact fits.
+    PreparePass,
+    /// An exact fit in one pass, into new memory or into memory that there is.
+    ExactFit {
+        is_new: bool,
+    },
+    /// A fit of level 0 in one pass, into memory that there is.
+    ControlFit,
     /// Fitting to the usual tolerance, prepared already.
     Fit(Method),
     /// So many updates: the difference of two counts has no set-up in it.
@@ -56,6 +68,9 @@ pub(crate) const COUNTS: [u32; 2] = [2, 8];
 /// The methods with updates of their own; the others make those of the first with other numbers.
 pub(crate) const UPDATES: [Method; 2] = [Method::Auto, Method::ConjugateGradients];
 
+/// Steps that bring the targets, noise of a tenth of an edge, to 1e-6 of the diagonal on the largest mesh.
+const CONTROL_STEPS: u32 = 13;
+
 /// Bytes per vertex that are taken or changed, and that are made anew.
 #[derive(Clone, Copy)]
 pub(crate) struct Bytes {
@@ -65,7 +80,17 @@ pub(crate) struct Bytes {
 
 /// All lines for a mesh, not measured yet.
 pub(crate) fn all(subject: &Subject) -> Vec<Row> {
-    let steps = [What::Topology, What::Refine, What::Limit, What::Normals, What::Prepare];
+    let steps = [
+        What::Topology,
+        What::Refine,
+        What::Limit,
+        What::Normals,
+        What::Prepare,
+        What::PreparePass,
+        What::ExactFit { is_new: true },
+        What::ExactFit { is_new: false },
+        What::ControlFit,
+    ];
     let updates = UPDATES.into_iter().flat_map(|m| COUNTS.map(|count| What::Updates(m, count)));
     // The order of memory is the same to all methods, and the worst one takes long.
     let methods = if subject.name == "shuffled" { &Method::ALL[..1] } else { &Method::ALL };
@@ -83,6 +108,11 @@ pub(crate) fn measure(subject: &mut Subject, rows: &mut [Row]) {
     let (topology, points) = (subject.mesh.topology(), subject.mesh.positions());
     let prepare = || Interpolator::new(topology, &Rules::LOOP).expect("triangles");
     let prepared = prepare();
+    let cut = |options: &onepass::Options| {
+        OnePass::new(topology, &Rules::LOOP, options).expect("triangles")
+    };
+    let exact = onepass::Options::default();
+    let control = onepass::Options { steps: Some(CONTROL_STEPS), level: Level::Control, ..exact };
     for Row { what, samples, updates } in rows {
         match *what {
             What::Topology => {
@@ -106,6 +136,21 @@ pub(crate) fn measure(subject: &mut Subject, rows: &mut [Row]) {
             }
             What::Prepare => {
                 samples.time(prepare);
+            }
+            What::PreparePass => {
+                samples.time(|| cut(&exact));
+            }
+            What::ExactFit { is_new: true } => {
+                let pass = cut(&exact);
+                samples.time(|| pass.fit(&subject.target)).expect("ordinary coordinates");
+            }
+            What::ExactFit { is_new: false } | What::ControlFit => {
+                let pass = cut(if *what == What::ControlFit { &control } else { &exact });
+                let mut out = vec![Vec3::splat(1.0); pass.result_count()];
+                let summary = samples.time(|| pass.fit_into(&subject.target, &mut out));
+                let largest = summary.expect("ordinary coordinates").largest;
+                let diagonal = subject.mesh.bounds().diagonal();
+                assert!(*what != What::ControlFit || largest <= 1e-6 * diagonal, "converges");
             }
             What::Fit(method) => {
                 let options = Options { method, ..Options::default() };
@@ -142,6 +187,12 @@ impl What {
             Self::Limit | Self::Normals => bytes(RINGS + POINT, POINT),
             // The operator, and the vertices of its rows.
             Self::Prepare => bytes(RINGS, OPERATOR + INDEX),
+            // Rings are walked once; patches hold about as much as the operator, halos included.
+            Self::PreparePass => bytes(RINGS + PER_HALFEDGE, PATCHES),
+            // Four values for each vertex are written, into memory that there is or not.
+            Self::ExactFit { is_new: true } => bytes(POINT + PATCHES, 4.0 * POINT),
+            Self::ExactFit { is_new: false } => bytes(5.0 * POINT + PATCHES, 0.0),
+            Self::ControlFit => bytes(2.0 * POINT + PATCHES, 0.0),
             Self::Fit(method) => {
                 // The last residual is a pass over the mesh as well, and so is the check of the
                 // result; x, the next x and the update are new.

@@ -14,6 +14,8 @@ const LARGE: usize = 100_000;
 const TOPOLOGY_TARGET: f64 = 1.2e9 / 2.6e6;
 const REFINE_TARGET: f64 = 80.0;
 const UPDATE_TARGET: f64 = 40.0;
+/// For an exact fit, refinement included, a fifth of what conjugate gradients take.
+const EXACT_TARGET: f64 = 42.0;
 
 const INTRODUCTION: &str = "\
 Nanoseconds per vertex of the mesh, for a refinement step per vertex made: the best of several runs,
@@ -112,6 +114,13 @@ fn line(mesh: &Measured, i: usize) -> Line {
         What::Limit => ("limit points".into(), mesh.vertex_count, None),
         What::Normals => ("limit normals".into(), mesh.vertex_count, None),
         What::Prepare => ("preparing a fit".into(), mesh.vertex_count, None),
+        What::PreparePass => ("preparing one pass".into(), mesh.vertex_count, None),
+        What::ExactFit { is_new: true } => ("exact fit, one pass".into(), mesh.vertex_count, None),
+        What::ExactFit { is_new: false } => {
+            let target = large(EXACT_TARGET);
+            ("exact fit, one pass, output reused".into(), mesh.vertex_count, target)
+        }
+        What::ControlFit => ("level 0, one pass, output reused".into(), mesh.vertex_count, None),
         What::Fit(method) => (format!("fit, {method}, {updates} updates"), mesh.vertex_count, None),
         What::Updates(..) => unreachable!("updates are taken together"),
     };

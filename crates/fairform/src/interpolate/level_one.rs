@@ -3,17 +3,26 @@
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use super::{FitReport, Interpolator, Method, Observer, Options, Solver, StageName};
+use super::{FitReport, Interpolator, MOST_STEPS, Method, Observer, Options, Scaled, Solver};
+use super::{StageName, StageReport};
 use crate::error::Error;
 use crate::fair::{self, Fairing};
 use crate::ids::VertexId;
+use crate::onepass::{self, OnePass};
 use crate::pushback::{PushBack, is_not_definite, singular_components};
-use crate::solve::{Outcome, Step, Stop};
+use crate::solve::{Outcome, Report, Step, Stop};
 use crate::{Mesh, Rules, Vec3};
 
 /// Updates before a push-back. What they leave over moves the surface between the vertices by less
 /// than one can see: its curvature energy is within a percent of that of the converged surface.
 const UPDATES: u32 = 6;
+
+/// Vertices from which on one pass over memory is faster than sweeps over the whole mesh, preparation
+/// included.
+const LARGE: usize = 20_000;
+
+/// A residual, in the unit of the report, that only an iteration leaves that diverges.
+const ASTRAY: f64 = 1.0;
 
 /// A control mesh whose limit surface passes through the vertices of a target mesh.
 #[derive(Clone, PartialEq, Debug)]
@@ -95,13 +104,21 @@ fn is_stuck(report: &FitReport) -> bool {
 /// Residual, in the unit of the report, that a stalled solve may well leave.
 const ROUNDING: f64 = 1e-10;
 
+/// What comes of a solve, a refinement and a push-back.
+struct Passed {
+    finer: Vec<Vec3>,
+    pushed_back: f64,
+    stages: Vec<StageReport>,
+}
+
 impl Interpolator<'_> {
     /// The values on the mesh refined once, by `pushback` of the same topology and rules, whose limit
     /// values at the vertices are `target` up to rounding.
     ///
     /// The solve before the push-back makes six updates of Chebyshev's recurrence, after which nobody
-    /// sees a difference; or exactly [`Options::iterations`] if there is no tolerance. With a method
-    /// other than [`Method::Auto`] it runs as [`fit`](Self::fit) does, except where the limit operator
+    /// sees a difference; or exactly [`Options::iterations`] if there is no tolerance. On large meshes and
+    /// with [`Method::OnePass`], which makes at most [`MOST_STEPS`] updates, all is done in one pass, see
+    /// [`onepass`](crate::onepass). With other methods it runs as [`fit`](Self::fit) does, except where the limit operator
     /// is known to be singular or not definite, since it would not end, or if it diverges.
     ///
     /// # Errors
@@ -126,22 +143,22 @@ impl Interpolator<'_> {
             },
             ..scaled.stop
         };
-        let is_usual = options.method == Method::Auto || is_hopeless;
-        let solved = if is_usual {
-            self.solve(&scaled, Solver::Usual, few, observer)
+        let is_large = scaled.target.len() >= LARGE;
+        let in_one_pass =
+            options.method == Method::OnePass || options.method == Method::Auto && is_large;
+        let passed = match in_one_pass && !self.stages.is_empty() {
+            true => self.pass(&scaled, options, is_hopeless, observer)?,
+            false => None,
+        };
+        let Passed { mut finer, pushed_back, stages } = if let Some(passed) = passed {
+            passed
         } else {
-            self.solve(&scaled, Solver::Method(options.method), scaled.stop, observer)
+            let (control, stages) =
+                self.solve_first(&scaled, options, few, is_hopeless, observer)?;
+            let mut finer = pushback.step().apply(&control);
+            let pushed_back = pushback.correct(&scaled.target, &mut finer);
+            Passed { finer, pushed_back, stages }
         };
-        let (control, stages) = match solved {
-            // The iteration diverged; a few updates cannot.
-            Err(Error::Overflow { .. } | Error::NotDefinite) => {
-                let few = Stop { max_updates: UPDATES, ..few };
-                self.solve(&scaled, Solver::Usual, few, observer)?
-            }
-            other => other?,
-        };
-        let mut finer = pushback.step().apply(&control);
-        let pushed_back = pushback.correct(&scaled.target, &mut finer);
         let mut fairing = None;
         if let Some(weight) = options.fair {
             let unit = scaled.stop.unit;
@@ -160,5 +177,69 @@ impl Interpolator<'_> {
         report.pushed_back = Some(pushed_back / scaled.stop.unit);
         report.fairing = fairing;
         Ok((scaled.back(&finer), report))
+    }
+
+    /// The solve before a push-back.
+    fn solve_first(
+        &self,
+        scaled: &Scaled,
+        options: &Options,
+        few: Stop,
+        is_hopeless: bool,
+        observer: &mut Observer<'_>,
+    ) -> Result<(Vec<Vec3>, Vec<StageReport>), Error> {
+        let is_usual = matches!(options.method, Method::Auto | Method::OnePass) || is_hopeless;
+        let solved = if is_usual {
+            self.solve(scaled, Solver::Usual, few, observer)
+        } else {
+            self.solve(scaled, Solver::Method(options.method), scaled.stop, observer)
+        };
+        match solved {
+            // The iteration diverged; a few updates cannot.
+            Err(Error::Overflow { .. } | Error::NotDefinite) => {
+                let few = Stop { max_updates: UPDATES, ..few };
+                self.solve(scaled, Solver::Usual, few, observer)
+            }
+            other => other,
+        }
+    }
+
+    /// Solve, refinement and push-back in one pass, if the topology can be cut into patches: the finer
+    /// values, how far they were pushed, and a report.
+    fn pass(
+        &self,
+        scaled: &Scaled,
+        options: &Options,
+        is_hopeless: bool,
+        observer: &mut Observer<'_>,
+    ) -> Result<Option<Passed>, Error> {
+        let unit = scaled.stop.unit;
+        let given = scaled.start.as_ref().unwrap_or(&scaled.target);
+        let few = onepass::usual_steps(self.rules.scheme);
+        let wanted = if options.tolerance.is_some() { few } else { MOST_STEPS };
+        let mut steps = options.iterations.min(if is_hopeless { few } else { wanted });
+        loop {
+            let options = onepass::Options { steps: Some(steps), ..onepass::Options::default() };
+            let prepared = OnePass::new(self.topology, self.rules, &options)?;
+            if !prepared.is_patched() {
+                return Ok(None);
+            }
+            let (finer, onepass::Summary { largest, mean }) = prepared.fit(given)?;
+            if (largest > ASTRAY * unit || largest.is_nan()) && steps > few {
+                // The iteration diverged; a few updates cannot.
+                steps = few;
+                continue;
+            }
+            let step = Step { updates: steps, max: largest / unit, mean: mean / unit };
+            if observer(StageName::Whole, step).is_break() {
+                return Err(Error::Interrupted);
+            }
+            let solve =
+                Report { history: [step].into(), outcome: Outcome::CountReached, predicted: None };
+            let used = self.topology.vertex_count() - self.topology.isolated_count();
+            let stage = StageReport { name: StageName::Whole, vertex_count: used, solve };
+            let stages = [stage].into();
+            return Ok(Some(Passed { finer, pushed_back: largest, stages }));
+        }
     }
 }

@@ -83,7 +83,7 @@ pub(crate) struct CatmullClarkRows<'t> {
 }
 
 impl<'t> CatmullClarkRows<'t> {
-    pub(super) fn new(topology: &'t Topology, rules: &'t Rules) -> Self {
+    pub(crate) fn new(topology: &'t Topology, rules: &'t Rules) -> Self {
         Self { sharp: rules.sharpness(topology), shares: rules.shares(topology) }
     }
 

@@ -353,6 +353,17 @@ impl<'t> DooSabinRows<'t> {
         entry(if v == a { b.0 } else { a.0 }, share * other);
     }
 
+    /// The vertex that a row makes an image of.
+    pub(crate) fn vertex(&self, row: usize) -> VertexId {
+        match row.checked_sub(self.topology.halfedge_count()) {
+            None => self.topology.origin(HalfedgeId(row as u32)),
+            Some(extra) if extra.is_multiple_of(2) => {
+                self.topology.origin(self.boundary[extra / 2])
+            }
+            Some(extra) => self.topology.target(self.boundary[extra / 2]),
+        }
+    }
+
     /// The parameter of a boundary edge is that of the face behind it.
     pub(crate) fn edge_parameter(&self, h: HalfedgeId) -> f64 {
         self.tension.map_or(CHAIKIN, |t| t[self.topology.face(h).index()])

@@ -178,7 +178,7 @@ pub(crate) struct LoopRows<'t> {
 }
 
 impl<'t> LoopRows<'t> {
-    pub(super) fn new(topology: &'t Topology, rules: &'t Rules) -> Self {
+    pub(crate) fn new(topology: &'t Topology, rules: &'t Rules) -> Self {
         Self {
             sharp: rules.sharpness(topology),
             shares: rules.shares(topology),

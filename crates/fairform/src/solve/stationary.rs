@@ -123,6 +123,12 @@ impl Coefficients {
     }
 }
 
+/// The first numbers $`(a_k, b_k)`$ of Chebyshev's recurrence for eigenvalues from `smallest` to 1.
+pub(crate) fn chebyshev_steps(smallest: f64, count: u32) -> Vec<(f64, f64)> {
+    let mut coefficients = Coefficients::new(Interval::Chebyshev { smallest });
+    (0..count).map(|_| coefficients.next(0.0)).collect()
+}
+
 /// Solves `B x = target` from the start values in `x`: unknowns first, then known values, which
 /// stay. One pass over memory per update.
 ///

@@ -15,6 +15,9 @@ use crate::{Faces, Topology, Vec3, limit};
 /// Most classes. Meshes have some tens; the faces of others are refined step by step.
 const MOST_CLASSES: usize = 1024;
 
+/// Most weights of all classes together, so that memory is bounded whatever turns up.
+const MOST_WEIGHTS: usize = 1 << 21;
+
 /// Most values that a class may depend on: products with larger matrices are no gain.
 pub(super) const MOST_SOURCES: usize = 96;
 
@@ -34,7 +37,8 @@ pub(super) struct Class {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Classes {
     pub(super) list: Vec<Class>,
-    known: BTreeMap<Vec<u32>, Option<u32>>,
+    known: BTreeMap<Vec<u32>, u32>,
+    weight_count: usize,
 }
 
 /// How many steps are made at once, and whether to the limit.
@@ -88,15 +92,16 @@ impl Classes {
         task: Task<'_>,
     ) -> Result<Option<u32>, Error> {
         if let Some(&class) = self.known.get(&key) {
-            return Ok(class);
+            return Ok(Some(class));
         }
-        if self.list.len() == MOST_CLASSES {
+        if self.list.len() == MOST_CLASSES || self.weight_count >= MOST_WEIGHTS {
             return Ok(None);
         }
         let (topology, rules, source_count) = local(task.rules)?;
         let class = self.list.len() as u32;
         self.list.push(Class::new(topology, rules, source_count, task)?);
-        self.known.insert(key, Some(class));
+        self.known.insert(key, class);
+        self.weight_count += 3 * source_count * task.grid.point_count();
         Ok(Some(class))
     }
 

@@ -78,7 +78,7 @@ impl<'t> Surface<'t> {
     /// All points.
     #[must_use]
     pub fn points(&self) -> Vec<Vec3> {
-        let mut positions = alloc::vec![Vec3::ZERO; self.tessellation.vertex_count()];
+        let mut positions = bytemuck::zeroed_vec(self.tessellation.vertex_count());
         self.fill(&mut positions, None::<&mut [Vec3]>);
         positions
     }
@@ -87,8 +87,9 @@ impl<'t> Surface<'t> {
     /// [`limit_normals`](crate::limit::limit_normals).
     #[must_use]
     pub fn points_and_normals(&self) -> (Vec<Vec3>, Vec<Vec3>) {
-        let mut positions = alloc::vec![Vec3::ZERO; self.tessellation.vertex_count()];
-        let mut normals = positions.clone();
+        // Zeros straight from the system, so that the threads touch the memory first, each its own.
+        let new = || bytemuck::zeroed_vec(self.tessellation.vertex_count());
+        let (mut positions, mut normals) = (new(), new());
         self.fill(&mut positions, Some(&mut normals));
         (positions, normals)
     }
