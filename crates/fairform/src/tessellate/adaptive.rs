@@ -147,7 +147,7 @@ impl Surface<'_> {
             let mut cuts = Vec::with_capacity(faces.len());
             self.for_patches(faces, |face, points, _| {
                 let sides = self.sides(face, of_edge);
-                let is_fine = |cut: &Cut| is_near(grid, cut, &sides, points, tolerance);
+                let is_fine = |cut: &Cut| is_near(grid, *cut, &sides, points, tolerance);
                 let all = Cut::all(grid, &sides);
                 let last = all[all.len() - 1];
                 cuts.push(all.into_iter().find(is_fine).unwrap_or(last));
@@ -189,7 +189,7 @@ impl Surface<'_> {
                     .for_each(|[u, v]| put(&mut block.inside, grid.number(u * step, v * step)));
                 let before = block.sizes.len();
                 let numbers = layout.numbers(self.tessellation(), grid, face);
-                weave(grid, &cut, &self.sides(face, &layout.level), &mut |polygon| {
+                weave(grid, cut, &self.sides(face, &layout.level), &mut |polygon| {
                     block.sizes.push(polygon.len() as u32);
                     let number = |&[u, v]: &[usize; 2]| numbers[grid.number(u, v)];
                     block.corners.extend(polygon.iter().map(number));
@@ -257,20 +257,24 @@ fn side_level(grid: &Grid, i: usize, points: &[Vec3], tolerance: &Tolerance) -> 
     let is_near = |level: &u32| {
         let step = n >> level;
         (1..n).filter(|t| t % step > 0).all(|t| {
-            let (p, before) = (point(t), t / step * step);
-            tolerance.allows(p, square_to_segment(p, point(before), point(before + step)))
+            let p = point(t);
+            let to = |start: usize| square_to_segment(p, point(start), point(start + step));
+            // Points may slide along the side.
+            tolerance.allows(p, to(t / step * step))
+                || (0..n).step_by(step).any(|start| tolerance.allows(p, to(start)))
         })
     };
     (0..grid.levels).find(is_near).unwrap_or(grid.levels)
 }
 
 /// Whether all points of the grid of a face are near a cut.
-fn is_near(grid: &Grid, cut: &Cut, sides: &[u32], points: &[Vec3], tolerance: &Tolerance) -> bool {
+fn is_near(grid: &Grid, cut: Cut, sides: &[u32], points: &[Vec3], tolerance: &Tolerance) -> bool {
     let point = |[u, v]: [usize; 2]| points[grid.number(u, v)];
-    let mut is_near = true;
-    weave(grid, cut, sides, &mut |polygon| {
+    let mut polygons: Vec<Vec<[usize; 2]>> = Vec::new();
+    weave(grid, cut, sides, &mut |polygon| polygons.push(polygon.to_vec()));
+    let is_near_one = |p: Vec3, polygon: &[[usize; 2]]| {
         let of = |i: usize, j: usize, k: usize| [polygon[i], polygon[j], polygon[k]].map(point);
-        let distance = |p: Vec3| match polygon.len() {
+        let square = match polygon.len() {
             3 => square_to_triangle(p, &of(0, 1, 2)),
             // However it is cut in two.
             _ => [[of(0, 1, 2), of(0, 2, 3)], [of(0, 1, 3), of(1, 2, 3)]]
@@ -278,29 +282,33 @@ fn is_near(grid: &Grid, cut: &Cut, sides: &[u32], points: &[Vec3], tolerance: &T
                 .into_iter()
                 .fold(0.0, f64::max),
         };
+        tolerance.allows(p, square)
+    };
+    polygons.iter().all(|polygon| {
         let range = |k: usize| {
             let of = polygon.iter().map(|at| at[k]);
             of.clone().min().unwrap_or(0)..=of.max().unwrap_or(0)
         };
-        is_near = is_near
-            && range(1).all(|v| {
-                let mut within = range(0).filter(|&u| is_inside(polygon, [u, v]));
-                within.all(|u| {
-                    let p = point([u, v]);
-                    polygon.contains(&[u, v]) || tolerance.allows(p, distance(p))
-                })
-            });
-    });
-    is_near
+        range(1).all(|v| {
+            let mut within = range(0).filter(|&u| is_inside(polygon, [u, v]));
+            within.all(|u| {
+                let p = point([u, v]);
+                // Points may slide within the face.
+                polygon.contains(&[u, v])
+                    || is_near_one(p, polygon)
+                    || polygons.iter().any(|other| is_near_one(p, other))
+            })
+        })
+    })
 }
 
 /// Whether a point of the grid lies in a polygon, its outline included.
 fn is_inside(polygon: &[[usize; 2]], at: [usize; 2]) -> bool {
-    let [x, y] = at.map(|c| c as i64);
+    let [x, y] = at.map(|c| c as f64);
     (0..polygon.len()).all(|i| {
-        let [ax, ay] = polygon[i].map(|c| c as i64);
-        let [bx, by] = polygon[(i + 1) % polygon.len()].map(|c| c as i64);
-        (bx - ax) * (y - ay) - (by - ay) * (x - ax) >= 0
+        let [ax, ay] = polygon[i].map(|c| c as f64);
+        let [bx, by] = polygon[(i + 1) % polygon.len()].map(|c| c as f64);
+        (bx - ax) * (y - ay) - (by - ay) * (x - ax) >= 0.0
     })
 }
 
@@ -354,7 +362,7 @@ impl Layout {
                 numbers[grid.first_of_side(i) + t - 1] = number;
             }
         }
-        let cut = &self.cut[face];
+        let cut = self.cut[face];
         let step = n >> cut.level;
         for ([u, v], number) in cut.inner(grid.corners).zip(self.of_face[face]..) {
             numbers[grid.number(u * step, v * step)] = number;

@@ -38,7 +38,7 @@ impl Cut {
     }
 
     /// The inner points, row by row.
-    pub(super) fn inner(&self, corners: usize) -> impl Iterator<Item = [usize; 2]> + use<> {
+    pub(super) fn inner(self, corners: usize) -> impl Iterator<Item = [usize; 2]> + use<> {
         let n = if self.is_hollow { 0 } else { 1_usize << self.level };
         (1..n).flat_map(move |v| {
             let end = if corners == 3 { n.saturating_sub(v) } else { n };
@@ -46,7 +46,7 @@ impl Cut {
         })
     }
 
-    pub(super) fn inner_count(&self, corners: usize) -> usize {
+    pub(super) fn inner_count(self, corners: usize) -> usize {
         match (self.is_hollow, 1_usize << self.level) {
             (true, _) => 0,
             (false, n) if corners == 3 => (n - 1) * n.saturating_sub(2) / 2,
@@ -56,19 +56,17 @@ impl Cut {
 }
 
 /// Shows the faces, as points of the finest grid.
-pub(super) fn weave(grid: &Grid, cut: &Cut, sides: &[u32], put: &mut impl FnMut(&[[usize; 2]])) {
+pub(super) fn weave(grid: &Grid, cut: Cut, sides: &[u32], put: &mut impl FnMut(&[[usize; 2]])) {
     let outline = sides.iter().enumerate().map(|(i, &level)| {
         let step = grid.segments() >> level;
         (0..=grid.segments()).step_by(step).map(|t| grid.on_side(i, t)).collect()
     });
-    let weaver = Weaver { grid, cut: *cut, outline: outline.collect() };
-    match cut.is_hollow {
-        true => weaver.halve(put),
-        false => {
-            weaver.weave_inside(put);
-            (0..grid.corners).for_each(|i| weaver.zip(i, put));
-        }
+    let weaver = Weaver { grid, cut, outline: outline.collect() };
+    if cut.is_hollow {
+        return weaver.halve(put);
     }
+    weaver.weave_inside(put);
+    (0..grid.corners).for_each(|i| weaver.zip(i, put));
 }
 
 struct Weaver<'a> {
