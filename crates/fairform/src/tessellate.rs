@@ -44,6 +44,7 @@ use crate::refine::{self, check_size, refine};
 use crate::scheme::{Rules, Scheme};
 use crate::{Faces, Topology, Vec3, limit, par};
 
+mod adaptive;
 mod cells;
 mod classes;
 mod grid;
@@ -52,6 +53,7 @@ mod point;
 mod rest;
 mod surface;
 
+pub use adaptive::{Adaptive, Eye, Tolerance};
 use cells::Cells;
 use classes::Task;
 use grid::Grid;
