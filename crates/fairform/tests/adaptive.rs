@@ -28,7 +28,8 @@ fn check_connected(mesh: &Mesh, adaptive: &Adaptive, name: &str) -> Topology {
     assert_eq!(made.boundary_loops().len(), given.boundary_loops().len(), "{name}");
     let euler = |t: &Topology| {
         let used = t.vertex_count() - t.isolated_count();
-        (used + t.face_count()) as i64 - t.edge_count() as i64
+        let count = |n: usize| i64::try_from(n).unwrap();
+        count(used + t.face_count()) - count(t.edge_count())
     };
     assert_eq!(euler(&made), euler(given), "{name}");
     assert_eq!(made.isolated_count(), given.isolated_count(), "{name}: every point is used");
