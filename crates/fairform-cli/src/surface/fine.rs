@@ -190,18 +190,20 @@ impl<'t> Fine<'t> {
         let per_face = size * self.per_face();
         let mut corners = vec![0; places.len() * per_face];
         let mut corner_uvs = Vec::new();
+        let mut add_uvs = |faces| {
+            if let Some(uvs) = &self.corner_uvs {
+                let finer = self.tessellation.corners_in(faces, uvs);
+                corner_uvs.extend(finer.into_iter().map(|uv| [uv.x, uv.y]));
+            }
+        };
         if self.shown.is_none() {
             self.tessellation.fill_faces(places.clone(), &mut corners);
+            add_uvs(places.clone());
         } else {
             for (place, out) in places.clone().zip(corners.chunks_exact_mut(per_face)) {
                 let f = self.base_face(place);
                 self.tessellation.fill_faces(f..f + 1, out);
-            }
-        }
-        if let Some(uvs) = &self.corner_uvs {
-            for f in places.clone().map(|place| self.base_face(place)) {
-                let finer = self.tessellation.corners_in(f..f + 1, uvs);
-                corner_uvs.extend(finer.into_iter().map(|uv| [uv.x, uv.y]));
+                add_uvs(f..f + 1);
             }
         }
         let labels = |labels: &Option<Labels>| {

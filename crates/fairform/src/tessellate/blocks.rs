@@ -42,7 +42,7 @@ impl Tessellation {
     /// would have more than so many faces: its memory is 1/1024 of that of the result then. That takes
     /// a little longer, since the rows of a class no longer fit into the nearest cache.
     ///
-    /// Beside the base there are then at most 256 MiB of rows. Where many faces would have to be refined
+    /// Beside the base there are then at most 400 MiB of rows, in practice a few. Where many faces would have to be refined
     /// step by step, since their surroundings are like no others, fewer steps are made at once.
     ///
     /// # Errors
