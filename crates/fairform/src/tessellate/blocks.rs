@@ -8,13 +8,14 @@ use super::{MOST_AT_ONCE, Plan, Points, Tessellation};
 use crate::error::Error;
 use crate::ids::FaceId;
 use crate::refine::{self, check_size};
-use crate::scheme::Rules;
+use crate::scheme::{Rules, Scheme};
 use crate::{Topology, Vec3};
 
 /// Most steps that are made at once where the base would otherwise be large.
 pub const MOST_WITH_SMALL_BASE: u32 = 5;
 
-/// The level of the base of [`Tessellation::with_base`], if not too much of the mesh is special.
+/// The level of the base of [`Tessellation::with_base`] with Loop's or Catmull and Clark's scheme, if not
+/// too much of the mesh is special.
 ///
 /// # Errors
 /// As [`check_size`].
@@ -55,7 +56,13 @@ impl Tessellation {
         points: Points,
     ) -> Result<Self, Error> {
         check_size(topology, rules, levels)?;
-        let at_once = levels - base_level(topology, rules, levels, most_faces)?;
+        let at_once = match rules.scheme {
+            Scheme::Loop | Scheme::CatmullClark => {
+                levels - base_level(topology, rules, levels, most_faces)?
+            }
+            // Their rows are not bounded as classes are.
+            _ => 0,
+        };
         for most in (MOST_AT_ONCE + 1..=at_once).rev() {
             let first = first_steps(levels, most);
             let made = Self::with_at_most(topology, rules, first, levels, points, most)?;
