@@ -133,11 +133,18 @@ pub(crate) struct Fit {
 
 /// Refine a mesh by a subdivision scheme.
 #[derive(clap::Args, Debug)]
-#[command(after_help = "Vertices and faces come in the canonical order: old vertices first, then \
-    those on edges; the children of a face one after the other. Colours, normals and texture \
-    coordinates follow.\n\nExamples:\n  \
+#[command(
+    after_help = "Vertices of the mesh keep their numbers. With Loop's and Catmull and Clark's \
+    scheme up to five steps are made at once, without the meshes between: new vertices come edge by edge \
+    and then face by face of the last mesh that was made, the faces of each of its faces one after the \
+    other. Colours, normals and texture coordinates follow.\n\n\
+    PLY, STL, OBJ, OFF and GLB are written while the mesh is made, so it may be larger than memory; but \
+    not with a limit of creases, OBJ with seams of texture coordinates, or GLB with several \
+    materials.\n\nExamples:\n  \
     fairform refine control.obj -o fine.obj --levels 2\n  \
-    fairform refine control.obj -o limit.ply --levels 3 --limit")]
+    fairform refine control.obj -o limit.ply --levels 3 --limit\n  \
+    fairform refine control.obj -o print.stl --levels 7 --limit"
+)]
 pub(crate) struct Refine {
     #[command(flatten)]
     pub(crate) input: Input,

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::Path;
 
-use fairform_io::{Error, Format, MeshData, WriteOptions};
+use fairform_io::{Blocks, Error, Format, MeshData, Shape, WriteOptions};
 
 use crate::args::{Input, Writing};
 use crate::console::Console;
@@ -93,9 +93,36 @@ pub(crate) fn write(
     data: &MeshData,
     console: &Console,
 ) -> Result<(), Failure> {
-    let options = WriteOptions { ascii: writing.ascii, single_precision: writing.single };
+    tell(path, fairform_io::write(path, writing.to, data, &options(writing)), console)
+}
+
+/// As [`write`], of a mesh that is made meanwhile.
+pub(crate) fn write_blocks(
+    path: &Path,
+    writing: &Writing,
+    blocks: &dyn Blocks,
+    console: &Console,
+) -> Result<(), Failure> {
+    tell(path, fairform_io::write_blocks(path, writing.to, blocks, &options(writing)), console)
+}
+
+/// Whether a mesh like this can be written while it is made.
+pub(crate) fn can_stream(path: &Path, writing: &Writing, shape: &Shape<'_>) -> bool {
+    let format = writing.to.or(Format::from_path(path).map(|(format, _)| format));
+    format.is_some_and(|format| fairform_io::can_stream(format, &options(writing), shape))
+}
+
+fn options(writing: &Writing) -> WriteOptions {
+    WriteOptions { ascii: writing.ascii, single_precision: writing.single }
+}
+
+fn tell(
+    path: &Path,
+    written: Result<Vec<String>, Error>,
+    console: &Console,
+) -> Result<(), Failure> {
     let name = output_name(path);
-    match fairform_io::write(path, writing.to, data, &options) {
+    match written {
         Ok(notes) => {
             for note in notes {
                 console.note(format!("note: {name}: {note}"));

@@ -6,12 +6,38 @@ use std::sync::Arc;
 use fairform::interpolate::{Fit, Interpolator, Norm, Options};
 use fairform::pushback::PushBack;
 use fairform::refine::{self, Refined};
-use fairform::{Border, Corners, HalfedgeId, Mesh, Rules, Scheme, Vec3, limit};
+use fairform::{Border, Corners, HalfedgeId, Mesh, Rules, Scheme, Vec3, limit, tessellate};
 use fairform_io::{CreaseList, InterpolateBoundary, Labels, MeshData};
 
 use crate::console::{Console, Progress, count};
 use crate::failure::{Failure, in_mesh};
 use crate::input::Source;
+
+mod fine;
+
+pub(crate) use fine::Fine;
+
+/// What is done to a surface that has been refined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Finish {
+    /// Nothing: vertices and given normals are where the steps put them.
+    Control,
+    /// Vertices stay, with the normals of the limit surface.
+    LimitNormals,
+    /// Everything is moved to the limit, with exact normals.
+    Limit,
+}
+
+/// What is in memory while a surface is refined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Stored {
+    /// The finest mesh and the one before.
+    Steps,
+    /// What is to be written.
+    Result,
+    /// A coarser mesh, of which the finest is made while it is written.
+    Base,
+}
 
 /// A mesh, values per vertex, and labels of its faces.
 #[derive(Debug, Clone)]
@@ -165,6 +191,37 @@ impl Surface {
         Ok(surface)
     }
 
+    /// What is to be written of the refined surface, without faces that only support it. Vertices of the
+    /// mesh keep their numbers; how others are numbered is told by [`fairform::tessellate`]. If they are
+    /// asked for, also the faces of the mesh as it was read that the faces are parts of.
+    pub(crate) fn refined(
+        &self,
+        levels: u32,
+        finish: Finish,
+        progress: &Progress,
+        origins: Option<&mut Vec<u32>>,
+    ) -> Result<MeshData, fairform::Error> {
+        if self.goes_at_once(levels, finish) {
+            progress.say("refining");
+            let tessellation = self.tessellation(levels, finish)?;
+            let fine = Fine::new(self, &tessellation, finish, progress)?;
+            if let Some(origins) = origins {
+                *origins = fine.origins();
+            }
+            return Ok(fine.into_data());
+        }
+        let mut fine = self.refine(levels, progress)?;
+        match finish {
+            Finish::Control => {}
+            Finish::LimitNormals => fine.limit_normals()?,
+            Finish::Limit => fine.move_to_limit()?,
+        }
+        if let Some(origins) = origins {
+            *origins = fine.origin.iter().copied().filter(|&f| fine.is_shown(f)).collect();
+        }
+        Ok(fine.into_surface())
+    }
+
     fn step(&mut self, step: Refined<'_>) {
         for field in self.fields() {
             *field = step.apply(field);
@@ -215,12 +272,6 @@ impl Surface {
         }
         self.normals = Some(normals);
         Ok(())
-    }
-
-    /// Numbers of the faces of the mesh as it was read, for the faces that `into_surface` writes.
-    pub(crate) fn inherited(&self, values: &[f64]) -> Vec<f64> {
-        let shown = self.origin.iter().filter(|f| self.is_shown(**f));
-        shown.map(|&f| values[f as usize]).collect()
     }
 
     /// Whether there is a surface for a face of the mesh as it was read.
@@ -277,14 +328,7 @@ impl Surface {
     fn into_data(self) -> MeshData {
         let uv = |uvs: Vec<Vec3>| uvs.into_iter().map(|v| [v.x, v.y]).collect();
         let opacity = self.opacity;
-        let colours = self.colours.map(|colours| {
-            let channel = |x: f64| x.clamp(0.0, 1.0);
-            let with_opacity = |(i, c): (usize, Vec3)| {
-                let a = opacity.as_ref().map_or(1.0, |o| channel(o[i].x));
-                [channel(c.x), channel(c.y), channel(c.z), a]
-            };
-            colours.into_iter().enumerate().map(with_opacity).collect()
-        });
+        let colours = self.colours.map(|colours| colours_of(&colours, opacity.as_deref()));
         MeshData {
             faces: self.mesh.topology().to_faces(),
             positions: self.mesh.into_positions(),
@@ -302,21 +346,54 @@ impl Surface {
     }
 }
 
+/// What a file can hold of colours.
+fn colours_of(colours: &[Vec3], opacity: Option<&[Vec3]>) -> Vec<[f64; 4]> {
+    let channel = |x: f64| x.clamp(0.0, 1.0);
+    let with_opacity = |(i, c): (usize, &Vec3)| {
+        let a = opacity.map_or(1.0, |o| channel(o[i].x));
+        [channel(c.x), channel(c.y), channel(c.z), a]
+    };
+    colours.iter().enumerate().map(with_opacity).collect()
+}
+
 /// Refuses what would not fit into memory, before it is begun.
-pub(crate) fn check_memory(surface: &Surface, levels: u32, source: &Source) -> Result<(), Failure> {
+pub(crate) fn check_memory(
+    surface: &Surface,
+    levels: u32,
+    stored: Stored,
+    source: &Source,
+) -> Result<(), Failure> {
     let too_much = |what: String| {
         Failure::new(format!("{source}: {levels} levels would make {what}"))
             .help("use fewer --levels; each makes four times as many faces")
     };
-    let size = match refine::check_size(surface.mesh.topology(), &surface.rules, levels) {
-        Ok(size) => size,
+    let (topology, rules) = (surface.mesh.topology(), &surface.rules);
+    let size_at = |level| match refine::check_size(topology, rules, level) {
+        Ok(size) => Ok(size),
         Err(fairform::Error::TooLarge { .. }) => {
-            return Err(too_much("more than 2,147,483,647 half-edges".into()));
+            Err(too_much("more than 2,147,483,647 half-edges".into()))
         }
-        Err(other) => return Err(surface.failure(source, &other)),
+        Err(other) => Err(surface.failure(source, &other)),
     };
+    let size = size_at(levels)?;
     // Topology, positions, normals and the copy that is written, generously.
-    let bytes = size.halfedge_count * 24 + size.vertex_count * 160;
+    let of_steps = size.halfedge_count * 24 + size.vertex_count * 160;
+    let base = match stored {
+        Stored::Steps => 0,
+        Stored::Result | Stored::Base => {
+            let level = tessellate::base_level(topology, rules, levels, fine::LARGE_BASE)
+                .map_err(|e| surface.failure(source, &e))?;
+            let base = size_at(level)?;
+            // Topologies and what each face is made of; rows, blocks and whatever is special.
+            base.halfedge_count * 80 + base.vertex_count * 160 + (128 << 20)
+        }
+    };
+    let bytes = match stored {
+        Stored::Steps => of_steps,
+        // The arrays that are written, and a copy as bytes.
+        Stored::Result => of_steps.min(base + size.halfedge_count * 12 + size.vertex_count * 120),
+        Stored::Base => base,
+    };
     match available_memory() {
         Some(available) if bytes > available => Err(too_much(format!(
             "{} faces, which takes about {:.1} GB; {:.1} GB are free",

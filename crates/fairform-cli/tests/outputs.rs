@@ -274,5 +274,14 @@ mod unix {
         interrupt(&mut child);
         assert_eq!(folder.names(), ["big.ply", "control.obj", "in.off", "out.obj"]);
         assert_eq!(folder.bytes("out.obj"), b"old");
+
+        // While it makes what it writes.
+        let mut child = folder.command("refine in.off -o out.obj --levels 10").spawn().unwrap();
+        while !folder.names().iter().any(|name| name.starts_with(".fairform-")) {
+            assert!(child.try_wait().unwrap().is_none(), "it ended before it wrote");
+        }
+        interrupt(&mut child);
+        assert_eq!(folder.names(), ["big.ply", "control.obj", "in.off", "out.obj"]);
+        assert_eq!(folder.bytes("out.obj"), b"old");
     }
 }

@@ -9,6 +9,7 @@ use flate2::{Compression, GzBuilder};
 
 use crate::data::{MeshData, WriteOptions};
 use crate::error::Error;
+use crate::stream::{Blocks, encode_blocks};
 use crate::{Format, encode, gltf, gzip, par, parse};
 
 /// The most bytes of a file that are read: 16 GiB. An endless pipe ends there.
@@ -143,6 +144,20 @@ pub fn write(
 ) -> Result<Vec<String>, Error> {
     let (format, gzip) = resolve(path, format)?;
     save_encoded(path, gzip, &mut |out| encode(format, data, options, out))
+}
+
+/// Writes a mesh while it is made, as [`write`] does one in memory.
+///
+/// # Errors
+/// As [`write`] and [`encode_blocks`].
+pub fn write_blocks(
+    path: &Path,
+    format: Option<Format>,
+    blocks: &dyn Blocks,
+    options: &WriteOptions,
+) -> Result<Vec<String>, Error> {
+    let (format, gzip) = resolve(path, format)?;
+    save_encoded(path, gzip, &mut |out| encode_blocks(format, blocks, options, out))
 }
 
 /// Saves what an encoder writes, compressed or not; what it refuses keeps the old file.

@@ -16,7 +16,7 @@ use crate::error::ParseError;
 use accessor::Buffers;
 use json::Document;
 
-pub(crate) use writer::encode;
+pub(crate) use writer::{encode, encode_blocks};
 
 /// The mesh in a glTF file, JSON or binary, whose buffers may be in other files: `load` is called
 /// with the name of each, as it stands in the file but with `%20` and the like decoded, and gives

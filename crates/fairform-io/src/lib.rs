@@ -13,6 +13,8 @@
 //! threads of the current rayon pool. The mesh, its notes, the error and the bytes are the same with
 //! any number of threads and without the feature.
 //!
+//! Meshes that do not fit into memory are written while they are made, see [`Blocks`].
+//!
 //! ```
 //! use fairform_io::{Format, WriteOptions, encode, parse};
 //!
@@ -40,6 +42,7 @@ mod off;
 mod par;
 mod ply;
 mod stl;
+mod stream;
 pub mod streamline;
 mod text;
 mod triangulate;
@@ -49,7 +52,8 @@ pub use crease::{CreaseList, InterpolateBoundary, parse_creases};
 pub use data::{Labels, MeshData, WriteOptions};
 pub use error::{Error, ParseError, Place};
 #[cfg(feature = "files")]
-pub use file::{discard_pending, discard_pending_then, read, save, write};
+pub use file::{discard_pending, discard_pending_then, read, save, write, write_blocks};
 pub use format::{Format, encode, parse};
 pub use gltf::parse_with_buffers;
 pub use gzip::limit as gzip_limit;
+pub use stream::{Attributes, Blocks, Patch, Shape, can_stream, encode_blocks};

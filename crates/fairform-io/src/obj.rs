@@ -15,10 +15,13 @@ use std::ops::Range;
 use fairform::{Faces, NONE, Vec3};
 
 use crate::crease::CreaseList;
-use crate::data::{LabelBuilder, MeshData, WriteOptions, scale_large_colours, too_many_corners};
+use crate::data::{
+    LabelBuilder, Labels, MeshData, WriteOptions, scale_large_colours, too_many_corners,
+};
 use crate::error::{Error, ParseError, Place};
 use crate::format::left_out;
 use crate::par;
+use crate::stream::{Attributes, Checked};
 use crate::text::{NumberWriter, ROWS, Scanner, counted, quoted};
 
 /// The mesh in an OBJ file.
@@ -807,28 +810,81 @@ pub(crate) fn encode(
     out: &mut dyn Write,
 ) -> Result<Vec<String>, Error> {
     let single = options.single_precision;
-    out.write_all(b"# fairform\n")?;
-    for library in data.material_library.iter().flat_map(|l| l.lines()) {
-        writeln!(out, "mtllib {}", statement_name(library))?;
-    }
-    let opaque = data.colours.iter().flatten().all(|c| c[3].to_bits() == 1.0_f64.to_bits());
+    write_header(data.material_library.as_deref(), out)?;
+    let opaque = data.colours.iter().flatten().all(is_opaque);
     par::write_rows(out, data.positions.len(), ROWS, |rows, out| {
         vertex_rows(data, single, opaque, rows, out);
     })?;
     let uv_of_corner = write_uvs(data, single, out)?;
     let normal_of_corner = write_normals(data, single, out)?;
+    let uvs = IndexOf::new(uv_of_corner.as_deref(), data.uvs.is_some());
+    let normals = IndexOf::new(normal_of_corner.as_deref(), data.normals.is_some());
     par::write_rows(out, data.faces.len(), ROWS, |rows, out| {
-        face_rows(data, uv_of_corner.as_deref(), normal_of_corner.as_deref(), rows, out);
+        let before = rows.start.checked_sub(1);
+        let label = |labels: &Option<Labels>| Some(labels.as_ref()?.of_face[before?]);
+        let names = [&data.groups, &data.materials]
+            .map(|labels| labels.as_ref().map_or(&[][..], |labels| &labels.names[..]));
+        let before = [label(&data.groups), label(&data.materials)];
+        face_rows(data, names, before, [uvs, normals], rows, out);
     })?;
     if let Some(creases) = &data.creases {
         creases.write_tags(single, out)?;
     }
-    let both = data.uvs.is_some() && data.corner_uvs.is_some();
-    let mut notes = left_out(&[(both, "uvs per vertex beside those per corner")], "OBJ");
+    Ok(notes(data.uvs.is_some() && data.corner_uvs.is_some(), opaque))
+}
+
+/// As [`encode`], of a mesh that is made meanwhile.
+pub(crate) fn encode_blocks(
+    blocks: &Checked<'_>,
+    options: &WriteOptions,
+    out: &mut dyn Write,
+) -> Result<Vec<String>, Error> {
+    let (shape, single) = (&blocks.shape, options.single_precision);
+    write_header(shape.material_library, out)?;
+    let opaque = blocks.all_colours(is_opaque);
+    let wanted = Attributes { positions: true, colours: shape.colours, ..Attributes::NONE };
+    blocks.write_vertices(out, wanted, |data, out| {
+        vertex_rows(data, single, opaque, 0..data.positions.len(), out);
+    })?;
+    if shape.uvs {
+        let wanted = Attributes { uvs: true, ..Attributes::NONE };
+        blocks.write_vertices(out, wanted, |data, out| {
+            statement_rows("vt", data.uvs.as_deref().unwrap_or_default(), single, out);
+        })?;
+    }
+    if shape.normals {
+        let wanted = Attributes { normals: true, ..Attributes::NONE };
+        blocks.write_vertices(out, wanted, |data, out| {
+            let normals = data.normals.as_deref().unwrap_or_default();
+            statement_rows::<3>("vn", bytemuck::cast_slice(normals), single, out);
+        })?;
+    }
+    let names = [shape.groups, shape.materials].map(Option::unwrap_or_default);
+    let [uvs, normals] = [shape.uvs, shape.normals].map(|has| IndexOf::new(None, has));
+    blocks.write_faces(out, |data, before, out| {
+        face_rows(data, names, before, [uvs, normals], 0..data.faces.len(), out);
+    })?;
+    Ok(notes(false, opaque))
+}
+
+fn write_header(material_library: Option<&str>, out: &mut dyn Write) -> Result<(), Error> {
+    out.write_all(b"# fairform\n")?;
+    for library in material_library.iter().flat_map(|l| l.lines()) {
+        writeln!(out, "mtllib {}", statement_name(library))?;
+    }
+    Ok(())
+}
+
+fn is_opaque(colour: &[f64; 4]) -> bool {
+    colour[3].to_bits() == 1.0_f64.to_bits()
+}
+
+fn notes(both_uvs: bool, opaque: bool) -> Vec<String> {
+    let mut notes = left_out(&[(both_uvs, "uvs per vertex beside those per corner")], "OBJ");
     if !opaque {
         notes.push("alpha written as a seventh number of v, which few programs read".into());
     }
-    Ok(notes)
+    notes
 }
 
 /// Appends the `v` statements of some vertices.
@@ -852,14 +908,24 @@ fn write_statements<const N: usize>(
     out: &mut dyn Write,
 ) -> Result<(), Error> {
     par::write_rows(out, values.len(), ROWS, |rows, out| {
-        let mut numbers = NumberWriter::new(single);
-        for value in &values[rows] {
-            out.extend_from_slice(keyword.as_bytes());
-            numbers.write_all(out, value);
-            out.push(b'\n');
-        }
+        statement_rows(keyword, &values[rows], single, out);
     })?;
     Ok(())
+}
+
+/// Appends statements of a keyword and numbers.
+fn statement_rows<const N: usize>(
+    keyword: &str,
+    values: &[[f64; N]],
+    single: bool,
+    out: &mut Vec<u8>,
+) {
+    let mut numbers = NumberWriter::new(single);
+    for value in values {
+        out.extend_from_slice(keyword.as_bytes());
+        numbers.write_all(out, value);
+        out.push(b'\n');
+    }
 }
 
 /// Equal values once, in order, and for each value its index there from 0.
@@ -909,25 +975,53 @@ fn write_normals(
     Ok(Some(of_corner))
 }
 
-/// Appends the `f` statements of some faces, and the names that begin there.
+/// What stands behind a slash of a corner.
+#[derive(Clone, Copy)]
+enum IndexOf<'a> {
+    Nothing,
+    Vertex,
+    /// For each corner its index from 0.
+    Corner(&'a [u32]),
+}
+
+impl<'a> IndexOf<'a> {
+    fn new(of_corner: Option<&'a [u32]>, per_vertex: bool) -> Self {
+        match of_corner {
+            Some(of_corner) => Self::Corner(of_corner),
+            None if per_vertex => Self::Vertex,
+            None => Self::Nothing,
+        }
+    }
+
+    fn get(self, corner: usize, vertex: u32) -> Option<u64> {
+        match self {
+            Self::Nothing => None,
+            Self::Vertex => Some(u64::from(vertex) + 1),
+            Self::Corner(index) => Some(u64::from(index[corner]) + 1),
+        }
+    }
+}
+
+/// Appends the `f` statements of some faces, and the names that begin there; `names` of groups and of
+/// materials, and the labels of the face `before`.
 fn face_rows(
     data: &MeshData,
-    uv_of_corner: Option<&[u32]>,
-    normal_of_corner: Option<&[u32]>,
+    names: [&[String]; 2],
+    mut before: [Option<u32>; 2],
+    [uvs, normals]: [IndexOf<'_>; 2],
     rows: Range<usize>,
     out: &mut Vec<u8>,
 ) {
-    let has_uv = data.uvs.is_some() || uv_of_corner.is_some();
-    let has_normal = data.normals.is_some() || normal_of_corner.is_some();
     let (start, corners) = (data.faces.starts(), data.faces.corners());
     let mut numbers = NumberWriter::new(false);
     for face in rows {
-        for (keyword, labels) in [("g ", &data.groups), ("usemtl ", &data.materials)] {
+        let labels = [("g ", &data.groups), ("usemtl ", &data.materials)];
+        for (((keyword, labels), names), before) in labels.into_iter().zip(names).zip(&mut before) {
             let Some(labels) = labels else { continue };
             let label = labels.of_face[face];
-            let name = &labels.names[label as usize];
-            let goes_on = match face.checked_sub(1) {
-                Some(last) => labels.of_face[last] == label,
+            let name = &names[label as usize];
+            let goes_on = match before.replace(label) {
+                Some(last) => last == label,
                 // A face before the first name needs no statement.
                 None => name.is_empty(),
             };
@@ -938,20 +1032,20 @@ fn face_rows(
             }
         }
         out.push(b'f');
-        for corner in start[face] as usize..start[face + 1] as usize {
-            let vertex = corners[corner];
-            let index = |of_corner: Option<&[u32]>| of_corner.map_or(vertex, |of| of[corner]);
+        let own = start[face] as usize..start[face + 1] as usize;
+        for (corner, &vertex) in own.clone().zip(&corners[own]) {
+            let (uv, normal) = (uvs.get(corner, vertex), normals.get(corner, vertex));
             out.push(b' ');
             numbers.whole(out, u64::from(vertex) + 1);
-            if has_uv || has_normal {
+            if uv.is_some() || normal.is_some() {
                 out.push(b'/');
             }
-            if has_uv {
-                numbers.whole(out, u64::from(index(uv_of_corner)) + 1);
+            if let Some(uv) = uv {
+                numbers.whole(out, uv);
             }
-            if has_normal {
+            if let Some(normal) = normal {
                 out.push(b'/');
-                numbers.whole(out, u64::from(index(normal_of_corner)) + 1);
+                numbers.whole(out, normal);
             }
         }
         out.push(b'\n');

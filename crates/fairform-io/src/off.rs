@@ -15,6 +15,7 @@ use crate::data::{MeshData, WriteOptions, exact_bytes, push_face, scale_large_co
 use crate::error::{Error, ParseError, Place};
 use crate::format::{NORMALS_PER_CORNER, left_out};
 use crate::par;
+use crate::stream::{Attributes, Checked, Shape};
 use crate::text::{NumberWriter, ROWS, Scanner, counted, quoted};
 
 /// What the first word says about the vertices.
@@ -311,31 +312,57 @@ pub(crate) fn encode(
     options: &WriteOptions,
     out: &mut dyn Write,
 ) -> Result<Vec<String>, Error> {
-    let prefix = |has: bool, letters: &'static str| if has { letters } else { "" };
-    writeln!(
-        out,
-        "{}{}{}OFF",
-        prefix(data.uvs.is_some(), "ST"),
-        prefix(data.colours.is_some(), "C"),
-        prefix(data.normals.is_some(), "N")
-    )?;
-    writeln!(out, "{} {} 0", data.positions.len(), data.faces.len())?;
+    let shape = Shape::of(data);
+    write_header(&shape, out)?;
     let bytes = data.colours.as_deref().and_then(byte_colours);
     par::write_rows(out, data.positions.len(), ROWS, |rows, out| {
         vertex_rows(data, bytes.as_deref(), options.single_precision, rows, out);
     })?;
     par::write_rows(out, data.faces.len(), ROWS, |rows, out| face_rows(data, rows, out))?;
-    Ok(left_out(
+    Ok(notes(&shape))
+}
+
+/// As [`encode`], of a mesh that is made meanwhile.
+pub(crate) fn encode_blocks(
+    blocks: &Checked<'_>,
+    options: &WriteOptions,
+    out: &mut dyn Write,
+) -> Result<Vec<String>, Error> {
+    let shape = &blocks.shape;
+    write_header(shape, out)?;
+    let as_bytes = blocks.all_colours(|c| exact_bytes(c).is_some())
+        && !blocks.all_colours(|c| exact_bytes(c).is_none_or(|b| b.iter().all(|b| *b <= 1)));
+    blocks.write_vertices(out, Attributes::of(shape), |data, out| {
+        let colours = data.colours.iter().flatten().filter(|_| as_bytes);
+        let bytes: Vec<[u8; 4]> = colours.filter_map(exact_bytes).collect();
+        let bytes = (as_bytes && data.colours.is_some()).then_some(bytes.as_slice());
+        vertex_rows(data, bytes, options.single_precision, 0..data.positions.len(), out);
+    })?;
+    blocks.write_faces(out, |data, _, out| face_rows(data, 0..data.faces.len(), out))?;
+    Ok(notes(shape))
+}
+
+fn write_header(shape: &Shape<'_>, out: &mut dyn Write) -> Result<(), Error> {
+    let prefix = |has: bool, letters: &'static str| if has { letters } else { "" };
+    let (st, c, n) =
+        (prefix(shape.uvs, "ST"), prefix(shape.colours, "C"), prefix(shape.normals, "N"));
+    writeln!(out, "{st}{c}{n}OFF")?;
+    writeln!(out, "{} {} 0", shape.vertex_count, shape.face_count)?;
+    Ok(())
+}
+
+fn notes(shape: &Shape<'_>) -> Vec<String> {
+    left_out(
         &[
-            (data.corner_normals.is_some(), NORMALS_PER_CORNER),
-            (data.creases.is_some(), "crease tags"),
-            (data.corner_uvs.is_some(), "texture coordinates per corner"),
-            (data.groups.is_some(), "groups"),
-            (data.materials.is_some(), "materials"),
-            (data.material_library.is_some(), "the material library"),
+            (shape.corner_normals, NORMALS_PER_CORNER),
+            (shape.creases, "crease tags"),
+            (shape.corner_uvs, "texture coordinates per corner"),
+            (shape.groups.is_some(), "groups"),
+            (shape.materials.is_some(), "materials"),
+            (shape.material_library.is_some(), "the material library"),
         ],
         "OFF",
-    ))
+    )
 }
 
 /// Appends the lines of some vertices.

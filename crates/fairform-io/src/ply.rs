@@ -19,7 +19,7 @@ use crate::text::{Scanner, counted, quoted};
 use body::{AsciiBody, BinaryBody, Body, END, Rows};
 use header::{Element, Encoding, Property, Scalar, read_header};
 
-pub(crate) use writer::encode;
+pub(crate) use writer::{encode, encode_blocks};
 
 /// The mesh in a PLY file.
 pub(crate) fn parse(bytes: &[u8]) -> Result<MeshData, ParseError> {

@@ -10,6 +10,7 @@
 //! Source: 3D Systems, *Stereolithography Interface Specification*, 1989.
 
 use std::io::Write;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use fairform::{Faces, Vec3};
 
@@ -17,6 +18,7 @@ use crate::data::{LabelBuilder, MeshData, WriteOptions, too_many_corners};
 use crate::error::{Error, ParseError, Place};
 use crate::format::left_out;
 use crate::par;
+use crate::stream::{Checked, Shape};
 use crate::text::{NumberWriter, ROWS, Scanner, counted, text_of};
 use crate::triangulate::Triangles;
 use crate::weld::{Point, Weld, numbers};
@@ -274,28 +276,79 @@ pub(crate) fn encode(
     out: &mut dyn Write,
 ) -> Result<Vec<String>, Error> {
     let triangles = Triangles::new(&data.positions, &data.faces);
-    let mut notes = Vec::new();
+    let used = used(data);
+    let unused = used.iter().filter(|used| !**used).count();
+    let shape = Shape { unused, ..Shape::of(data) };
     if options.ascii {
         write_text(data, options, &triangles, out)?;
     } else {
         write_binary(data, &triangles.corners, out)?;
-        notes.extend(rounding_note(data));
     }
-    notes.extend(triangle_notes(triangles.cut, triangles.dropped));
-    notes.extend(unused_note(data));
+    let blocks = data.positions.chunks(ROWS).zip(used.chunks(ROWS));
+    let rounded = par::map(blocks, |(positions, used)| {
+        positions.iter().zip(used).any(|(p, used)| *used && !are_single(&[*p]))
+    });
+    let rounded = !options.ascii && rounded.contains(&true);
+    Ok(notes(&shape, options, rounded, [triangles.cut, triangles.dropped]))
+}
+
+/// As [`encode`], of a mesh that is made meanwhile.
+pub(crate) fn encode_blocks(
+    blocks: &Checked<'_>,
+    options: &WriteOptions,
+    out: &mut dyn Write,
+) -> Result<Vec<String>, Error> {
+    let shape = &blocks.shape;
+    let rounded = AtomicBool::new(false);
+    if options.ascii {
+        // There are no groups.
+        out.write_all(b"solid fairform\n")?;
+        blocks.write_patches(out, |patch, out| {
+            let mut numbers = NumberWriter::new(options.single_precision);
+            for &triangle in &*Triangles::new(&patch.positions, &patch.faces).corners {
+                text_row(corners_of(&patch.positions, triangle), &mut numbers, out);
+            }
+        })?;
+        out.write_all(b"endsolid fairform\n")?;
+    } else {
+        let triangles = shape.face_count.saturating_mul(shape.face_size.saturating_sub(2));
+        write_binary_header(triangles, out)?;
+        blocks.write_patches(out, |patch, out| {
+            if !are_single(&patch.positions) {
+                rounded.store(true, Ordering::Relaxed);
+            }
+            let triangles = Triangles::new(&patch.positions, &patch.faces);
+            binary_rows(&patch.positions, &triangles.corners, out);
+        })?;
+    }
+    let cut = if shape.face_size > 3 { shape.face_count } else { 0 };
+    Ok(notes(shape, options, rounded.into_inner(), [cut, 0]))
+}
+
+fn notes(
+    shape: &Shape<'_>,
+    options: &WriteOptions,
+    rounded: bool,
+    [cut, dropped]: [usize; 2],
+) -> Vec<String> {
+    let mut notes: Vec<String> = rounded.then(rounding_note).into_iter().collect();
+    notes.extend(triangle_notes(cut, dropped));
+    if shape.unused > 0 {
+        notes.push(format!("{} of no face left out", counted(shape.unused, "vertex")));
+    }
     notes.extend(left_out(
         &[
-            (data.creases.is_some(), "crease tags"),
-            (data.normals.is_some() || data.corner_normals.is_some(), "normals of vertices"),
-            (data.colours.is_some(), "colours"),
-            (data.uvs.is_some() || data.corner_uvs.is_some(), "texture coordinates"),
-            (data.groups.is_some() && !options.ascii, "groups"),
-            (data.materials.is_some(), "materials"),
-            (data.material_library.is_some(), "the material library"),
+            (shape.creases, "crease tags"),
+            (shape.normals || shape.corner_normals, "normals of vertices"),
+            (shape.colours, "colours"),
+            (shape.uvs || shape.corner_uvs, "texture coordinates"),
+            (shape.groups.is_some() && !options.ascii, "groups"),
+            (shape.materials.is_some(), "materials"),
+            (shape.material_library.is_some(), "the material library"),
         ],
         "STL",
     ));
-    Ok(notes)
+    notes
 }
 
 /// Says how many polygons became triangles, and how many faces were none.
@@ -310,49 +363,61 @@ pub(crate) fn triangle_notes(cut: usize, dropped: usize) -> Vec<String> {
     notes
 }
 
-/// Says so if coordinates are not the same in 32 bits.
-pub(crate) fn rounding_note(data: &MeshData) -> Option<String> {
-    let exact = |x: f64| x.is_nan() || f64::from(x as f32).to_bits() == x.to_bits();
-    let all = par::map(data.positions.chunks(ROWS), |block| {
-        block.iter().all(|p| exact(p.x) && exact(p.y) && exact(p.z))
-    });
-    all.contains(&false).then(|| "coordinates rounded to 32 bits".to_string())
+/// Says that coordinates are not the same in 32 bits.
+pub(crate) fn rounding_note() -> String {
+    "coordinates rounded to 32 bits".into()
 }
 
-fn unused_note(data: &MeshData) -> Option<String> {
+/// Whether coordinates are the same in 32 bits.
+pub(crate) fn are_single(positions: &[Vec3]) -> bool {
+    let exact = |x: f64| x.is_nan() || f64::from(x as f32).to_bits() == x.to_bits();
+    positions.iter().all(|p| exact(p.x) && exact(p.y) && exact(p.z))
+}
+
+/// Whether each vertex belongs to a face.
+fn used(data: &MeshData) -> Vec<bool> {
     let mut used = vec![false; data.positions.len()];
     data.faces.corners().iter().for_each(|v| used[*v as usize] = true);
-    let unused = used.iter().filter(|used| !**used).count();
-    (unused > 0).then(|| format!("{} of no face left out", counted(unused, "vertex")))
+    used
 }
 
-fn corners_of(data: &MeshData, triangle: [u32; 3]) -> ([Vec3; 3], Vec3) {
-    let [a, b, c] = triangle.map(|v| data.positions[v as usize]);
+fn corners_of(positions: &[Vec3], triangle: [u32; 3]) -> ([Vec3; 3], Vec3) {
+    let [a, b, c] = triangle.map(|v| positions[v as usize]);
     ([a, b, c], (b - a).cross(c - a).normalized())
 }
 
 fn write_binary(data: &MeshData, triangles: &[[u32; 3]], out: &mut dyn Write) -> Result<(), Error> {
-    let Ok(count) = u32::try_from(triangles.len()) else {
-        return Err(Error::Unwritable(format!("{} triangles are too many", triangles.len())));
+    write_binary_header(triangles.len(), out)?;
+    par::write_rows(out, triangles.len(), ROWS, |rows, out| {
+        binary_rows(&data.positions, &triangles[rows], out);
+    })?;
+    Ok(())
+}
+
+fn write_binary_header(triangles: usize, out: &mut dyn Write) -> Result<(), Error> {
+    let Ok(count) = u32::try_from(triangles) else {
+        return Err(Error::Unwritable(format!("{triangles} triangles are too many")));
     };
     // Not "solid", so that nobody takes the file for a text.
     let mut header = [0; HEADER];
     header[..8].copy_from_slice(b"fairform");
     header[80..].copy_from_slice(&count.to_le_bytes());
     out.write_all(&header)?;
-    par::write_rows(out, triangles.len(), ROWS, |rows, out| {
-        for &triangle in &triangles[rows] {
-            let ([a, b, c], normal) = corners_of(data, triangle);
-            let mut record = [0; TRIANGLE];
-            for (bytes, v) in record.as_chunks_mut::<12>().0.iter_mut().zip([normal, a, b, c]) {
-                bytes[..4].copy_from_slice(&(v.x as f32).to_le_bytes());
-                bytes[4..8].copy_from_slice(&(v.y as f32).to_le_bytes());
-                bytes[8..].copy_from_slice(&(v.z as f32).to_le_bytes());
-            }
-            out.extend_from_slice(&record);
-        }
-    })?;
     Ok(())
+}
+
+/// Appends the records of some triangles.
+fn binary_rows(positions: &[Vec3], triangles: &[[u32; 3]], out: &mut Vec<u8>) {
+    for &triangle in triangles {
+        let ([a, b, c], normal) = corners_of(positions, triangle);
+        let mut record = [0; TRIANGLE];
+        for (bytes, v) in record.as_chunks_mut::<12>().0.iter_mut().zip([normal, a, b, c]) {
+            bytes[..4].copy_from_slice(&(v.x as f32).to_le_bytes());
+            bytes[4..8].copy_from_slice(&(v.y as f32).to_le_bytes());
+            bytes[8..].copy_from_slice(&(v.z as f32).to_le_bytes());
+        }
+        out.extend_from_slice(&record);
+    }
 }
 
 fn write_text(
@@ -382,7 +447,7 @@ fn write_text(
                 let (before, next) = (name(Some(i - 1)), name(Some(i)));
                 out.extend_from_slice(format!("endsolid {before}\nsolid {next}\n").as_bytes());
             }
-            text_row(corners_of(data, triangles.corners[i]), &mut numbers, out);
+            text_row(corners_of(&data.positions, triangles.corners[i]), &mut numbers, out);
         }
     })?;
     writeln!(out, "endsolid {}", name(last))?;

@@ -134,6 +134,31 @@ pub(crate) fn apply(coarse: &Topology, rules: &Rules, values: &[Vec3]) -> Vec<Ve
     }
 }
 
+/// The coarser face that a finer face is a part of, see [`Refined::parent`].
+pub(crate) fn parent(scheme: Scheme, coarse: &Topology, finer: &Topology, face: FaceId) -> FaceId {
+    match scheme {
+        Scheme::Loop | Scheme::Butterfly => FaceId(face.0 / 4),
+        Scheme::CatmullClark | Scheme::Kobbelt => coarse.face(HalfedgeId(face.0)),
+        Scheme::DooSabin => doo_sabin_step::parent(coarse, finer, face),
+    }
+}
+
+/// The values of finer corners, see [`Refined::apply_to_corners`].
+pub(crate) fn apply_to_corners(
+    scheme: Scheme,
+    coarse: &Topology,
+    values: &[Vec3],
+) -> Option<Vec<Vec3>> {
+    assert_eq!(values.len(), coarse.halfedge_count(), "one value per corner");
+    match scheme {
+        Scheme::Loop | Scheme::Butterfly => Some(loop_step::apply_to_corners(values)),
+        Scheme::CatmullClark | Scheme::Kobbelt => {
+            Some(catmull_clark_step::apply_to_corners(coarse, values))
+        }
+        Scheme::DooSabin => None,
+    }
+}
+
 impl Refined<'_> {
     /// The values at the finer vertices, from one value per coarser vertex: positions, or whatever
     /// else is to be as smooth.
@@ -166,11 +191,7 @@ impl Refined<'_> {
     /// If there is no such face.
     #[must_use]
     pub fn parent(&self, face: FaceId) -> FaceId {
-        match self.rules.scheme {
-            Scheme::Loop | Scheme::Butterfly => FaceId(face.0 / 4),
-            Scheme::CatmullClark | Scheme::Kobbelt => self.coarse.face(HalfedgeId(face.0)),
-            Scheme::DooSabin => doo_sabin_step::parent(self.coarse, &self.topology, face),
-        }
+        parent(self.rules.scheme, self.coarse, &self.topology, face)
     }
 
     /// Carries one value per face corner over to the finer corners, within each face by linear
@@ -181,14 +202,7 @@ impl Refined<'_> {
     /// If there is not one value per coarser corner.
     #[must_use]
     pub fn apply_to_corners(&self, values: &[Vec3]) -> Option<Vec<Vec3>> {
-        assert_eq!(values.len(), self.coarse.halfedge_count(), "one value per corner");
-        match self.rules.scheme {
-            Scheme::Loop | Scheme::Butterfly => Some(loop_step::apply_to_corners(values)),
-            Scheme::CatmullClark | Scheme::Kobbelt => {
-                Some(catmull_clark_step::apply_to_corners(self.coarse, values))
-            }
-            Scheme::DooSabin => None,
-        }
+        apply_to_corners(self.rules.scheme, self.coarse, values)
     }
 }
 

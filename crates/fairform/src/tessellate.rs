@@ -6,7 +6,8 @@
 //! faces share whose surroundings look alike; the weights are found by refining one of them by the
 //! rules for any mesh, so that boundaries, creases and shape parameters come out as there. Nothing
 //! between the two meshes is stored, but for one mesh of a sixteenth of the size or less:
-//! the first steps are made as ever, at least one and so many that [`MOST_AT_ONCE`] are left. Then
+//! the first steps are made as ever, at least one and so many that [`MOST_AT_ONCE`] are left, or a
+//! few more where even that mesh would be large, see [`Tessellation::with_base`]. Then
 //! shape parameters have done their work, and a face has few extraordinary corners.
 //!
 //! # Numbering
@@ -45,6 +46,7 @@ use crate::scheme::{Rules, Scheme};
 use crate::{Faces, Topology, Vec3, limit, par};
 
 mod adaptive;
+mod blocks;
 mod cells;
 mod classes;
 mod grid;
@@ -54,6 +56,7 @@ mod rest;
 mod surface;
 
 pub use adaptive::{Adaptive, Eye, Tolerance};
+pub use blocks::{MOST_WITH_SMALL_BASE, base_level};
 use cells::Cells;
 use classes::Task;
 use grid::Grid;
@@ -140,6 +143,7 @@ impl Tessellation {
     ///
     /// # Errors
     /// As [`new`](Self::new).
+    #[expect(clippy::missing_panics_doc, reason = "only large grids leave too many faces")]
     pub fn from_level(
         topology: &Arc<Topology>,
         rules: &Rules,
@@ -147,13 +151,27 @@ impl Tessellation {
         levels: u32,
         points: Points,
     ) -> Result<Self, Error> {
+        let made = Self::with_at_most(topology, rules, first, levels, points, MOST_AT_ONCE)?;
+        Ok(made.expect("any number of faces may be refined step by step"))
+    }
+
+    /// [`from_level`](Self::from_level) with so many steps at once at most. `None` if they are more than
+    /// [`MOST_AT_ONCE`] and too many faces would be refined step by step.
+    fn with_at_most(
+        topology: &Arc<Topology>,
+        rules: &Rules,
+        first: u32,
+        levels: u32,
+        points: Points,
+        most_at_once: u32,
+    ) -> Result<Option<Self>, Error> {
         check_size(topology, rules, levels)?;
         let can_be_at_once = matches!(rules.scheme, Scheme::Loop | Scheme::CatmullClark);
         let all_quadrilaterals = topology.uniform_face_size() == Some(4);
         let is_ready = rules.tension.is_none()
             && (rules.scheme == Scheme::Loop || all_quadrilaterals)
             && topology.face_count() > 0;
-        let needed = levels.saturating_sub(MOST_AT_ONCE).max(u32::from(!is_ready));
+        let needed = levels.saturating_sub(most_at_once).max(u32::from(!is_ready));
         let at_once = if can_be_at_once { levels.saturating_sub(first.max(needed)) } else { 0 };
         let steps = Steps::new(Arc::clone(topology), rules.clone(), levels - at_once)?;
         if points == Points::Limit {
@@ -164,10 +182,10 @@ impl Tessellation {
             let corners = if rules.scheme == Scheme::Loop { 3 } else { 4 };
             let grid = Grid::new(corners, at_once);
             let task = Task { grid: &grid, rules: steps.rules(), points };
-            let cells = Cells::new(steps.topology(), task)?;
+            let Some(cells) = Cells::new(steps.topology(), task)? else { return Ok(None) };
             plan = Some(Plan { grid, cells });
         }
-        Ok(Self { steps, points, plan })
+        Ok(Some(Self { steps, points, plan }))
     }
 
     /// The mesh whose faces are cut into grids, see the [module](self).

@@ -17,7 +17,7 @@ use crate::args::Compare;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::{self, Source};
-use crate::surface::{Surface, check_memory};
+use crate::surface::{Stored, Surface, check_memory};
 
 pub(crate) fn run(args: &Compare, console: &Console) -> Result<ExitCode, Failure> {
     if let Some(path) = &args.output {
@@ -28,7 +28,7 @@ pub(crate) fn run(args: &Compare, console: &Console) -> Result<ExitCode, Failure
     let mut target = Surface::new(input::read(&source, console)?, &source)?;
     // The largest of the results.
     target.rules = Scheme::CatmullClark.into();
-    check_memory(&target, args.levels, &source)?;
+    check_memory(&target, args.levels, Stored::Steps, &source)?;
     let mesh = &target.mesh;
     let progress = console.progress();
     let mut rows = Vec::new();

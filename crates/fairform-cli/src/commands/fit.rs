@@ -19,7 +19,7 @@ use crate::failure::Failure;
 use crate::input::{self, Source};
 use crate::rules;
 use crate::steps;
-use crate::surface::{Surface, check_memory};
+use crate::surface::{Fine, Finish, Stored, Surface, check_memory};
 
 /// The sample that is fitted when there is no input.
 const SAMPLE: &[u8] = include_bytes!("../../../../data/sample/spot.obj");
@@ -45,7 +45,16 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
     let mut target = Surface::new(data, &source)?;
     clock.lap("read");
     rules::set(args.scheme.scheme, &args.rules, &mut target, console)?;
-    check_memory(&target, args.levels, &source)?;
+    let finish = finish(args, &target);
+    // The sample's surface is drawn too.
+    let streams = |surface: &Surface, levels| {
+        args.output.is_some() && surface.can_stream(levels, finish, &output, &args.writing)
+    };
+    let stored = match streams(&target, args.levels) {
+        true => Stored::Base,
+        false => target.stored(args.levels, finish),
+    };
+    check_memory(&target, args.levels, stored, &source)?;
     target.warn_of_losses(args.levels, console);
     target.warn_of_no_faces(&source, console);
     warn_of_seams(&target.mesh, &source, console);
@@ -65,45 +74,90 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
         progress.say(format!("{stage}: {} updates, {what} {:.2e}", step.updates, step.max));
         ControlFlow::Continue(())
     };
-    let had_normals = target.normals.is_some();
     let Fitted { control, level, report, singular } =
         fitted(&target, &interpolator, &options, &mut observe, &progress).map_err(at)?;
     clock.lap("solve");
 
-    let mut surface = control.refine(args.levels.saturating_sub(level), &progress).map_err(at)?;
-    if args.limit || args.output.is_none() {
-        surface.move_to_limit().map_err(at)?;
-    } else if had_normals {
-        surface.limit_normals().map_err(at)?;
-    }
+    let levels = args.levels.saturating_sub(level);
+    let tessellation = match streams(&control, levels) {
+        true => Some(control.tessellation(levels, finish).map_err(at)?),
+        false => None,
+    };
+    let made = match &tessellation {
+        Some(tessellation) => {
+            Made::Meanwhile(Fine::new(&control, tessellation, finish, &progress).map_err(at)?)
+        }
+        None if levels == 0 && finish != Finish::Limit => {
+            let mut control = control.clone();
+            if finish == Finish::LimitNormals {
+                control.limit_normals().map_err(at)?;
+            }
+            Made::Whole(control.into_control())
+        }
+        None => Made::Whole(control.refined(levels, finish, &progress, None).map_err(at)?),
+    };
     clock.lap("refine");
 
     progress.say("writing");
     if let Some(path) = &args.control {
-        input::write(path, &args.writing, &control.into_control(), console)?;
+        input::write(path, &args.writing, &control.clone().into_control(), console)?;
     }
-    let is_control = args.levels <= level && !args.limit && args.output.is_some();
-    let data = if is_control { surface.into_control() } else { surface.into_surface() };
-    input::write(&output, &args.writing, &data, console)?;
-    if args.output.is_none() {
-        let picture = picture(&target.mesh, &data)?;
-        input::save(Path::new(SAMPLE_PICTURE), &picture)?;
+    let counts = made.write(&output, args, console)?;
+    if let (None, Made::Whole(data)) = (&args.output, &made) {
+        input::save(Path::new(SAMPLE_PICTURE), &picture(&target.mesh, data)?)?;
     }
     clock.lap("write");
     drop(progress);
 
-    let summary = summary(args, &options, &target.rules, &topology, &data, &report, &clock);
+    let summary = summary(args, &options, &target.rules, &topology, counts, &report, &clock);
     if let Some(path) = &args.report {
         input::save(path, format!("{summary:#}\n").as_bytes())?;
     }
     if let Some(path) = &args.plot {
         input::save(path, plot(&report, &options, &target.rules).as_bytes())?;
     }
-    tell(args, &output, &data, &report, &clock, console);
+    tell(args, &output, counts, &report, &clock, console);
     tell_certificate(&report, console);
     tell_of_level(args, level, singular, &report, console);
     console.result(&summary)?;
     Ok(if report.is_converged() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// What is asked for of the surface.
+fn finish(args: &Fit, target: &Surface) -> Finish {
+    match args.limit || args.output.is_none() {
+        true => Finish::Limit,
+        false if target.normals.is_some() => Finish::LimitNormals,
+        false => Finish::Control,
+    }
+}
+
+/// The surface that is written.
+enum Made<'a> {
+    Whole(MeshData),
+    /// While it is written.
+    Meanwhile(Fine<'a>),
+}
+
+impl Made<'_> {
+    /// Tells how many vertices and faces were written.
+    fn write(
+        &self,
+        output: &Path,
+        args: &Fit,
+        console: &Console,
+    ) -> Result<(usize, usize), Failure> {
+        match self {
+            Self::Whole(data) => {
+                input::write(output, &args.writing, data, console)?;
+                Ok((data.positions.len(), data.faces.len()))
+            }
+            Self::Meanwhile(fine) => {
+                input::write_blocks(output, &args.writing, fine, console)?;
+                Ok((fine.vertex_count(), fine.face_count()))
+            }
+        }
+    }
 }
 
 /// A control surface, and how it was found.
@@ -201,7 +255,7 @@ fn outcome(outcome: Outcome) -> &'static str {
 fn tell(
     args: &Fit,
     output: &Path,
-    data: &MeshData,
+    (vertices, faces): (usize, usize),
     report: &FitReport,
     clock: &Clock,
     console: &Console,
@@ -223,7 +277,7 @@ fn tell(
         console.detail(format!("{phase}: {seconds:.3} s"));
     }
     if !input::is_dash(output) {
-        let (vertices, faces) = (count(data.positions.len()), count(data.faces.len()));
+        let (vertices, faces) = (count(vertices), count(faces));
         console.note(format!("{}: {vertices} vertices, {faces} faces", output.display()));
     }
     if args.output.is_none() {
@@ -294,7 +348,7 @@ fn summary(
     options: &Options,
     rules: &Rules,
     topology: &Topology,
-    data: &MeshData,
+    (vertices, faces): (usize, usize),
     report: &FitReport,
     clock: &Clock,
 ) -> Value {
@@ -356,7 +410,7 @@ fn summary(
                 "boundary_loops": topology.boundary_loops().len(),
                 "isolated_vertices": topology.isolated_count(),
             },
-            "output": { "vertices": data.positions.len(), "faces": data.faces.len() },
+            "output": { "vertices": vertices, "faces": faces },
         },
         "seconds": clock.laps.iter().map(|&(phase, s)| (phase.to_string(), json!(s)))
             .collect::<serde_json::Map<_, _>>(),

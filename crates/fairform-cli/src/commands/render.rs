@@ -18,7 +18,7 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::{self, Source};
 use crate::rules;
-use crate::surface::{Surface, check_memory};
+use crate::surface::{Finish, Surface, check_memory};
 
 mod model;
 
@@ -98,10 +98,10 @@ fn surface_of(
     let levels = args.levels.unwrap_or(3);
     let mut surface = Surface::new(data, source)?;
     rules::set(scheme, &args.rules, &mut surface, console)?;
-    check_memory(&surface, levels, source)?;
+    check_memory(&surface, levels, surface.stored(levels, Finish::Limit), source)?;
     let at = |e| surface.failure(source, &e);
     let progress = console.progress();
-    let mut fine = if args.fit {
+    let (control, levels) = if args.fit {
         let topology = surface.mesh.topology();
         let interpolator =
             Interpolator::near(topology, &surface.rules, surface.mesh.positions()).map_err(at)?;
@@ -117,13 +117,14 @@ fn surface_of(
                 "warning: {source}: not converged: the largest error is {error:.3e}"
             ));
         }
-        fitted.control.refine(levels.saturating_sub(fitted.level), &progress).map_err(at)?
+        (fitted.control, levels.saturating_sub(fitted.level))
     } else {
-        surface.refine(levels, &progress).map_err(at)?
+        (surface.clone(), levels)
     };
-    fine.move_to_limit().map_err(at)?;
-    let tension = surface.rules.tension.as_deref().map(|tension| fine.inherited(tension));
-    Ok((fine.into_surface(), tension))
+    let mut origins = Vec::new();
+    let data = control.refined(levels, Finish::Limit, &progress, Some(&mut origins)).map_err(at)?;
+    let of_face = |tension: &[f64]| origins.iter().map(|&f| tension[f as usize]).collect();
+    Ok((data, surface.rules.tension.as_deref().map(of_face)))
 }
 
 /// Only PNG is written.

@@ -175,3 +175,36 @@ pub fn assert_near(actual: &[Vec3], expected: &[Vec3], tolerance: f64, what: &st
         assert!(error <= tolerance, "{what}: point {i} is off by {error:e}");
     }
 }
+
+/// The same mesh but for the numbers of vertices from `kept` on and the order of faces: each expected
+/// vertex is one vertex within a tolerance, and the faces are the same, turned alike.
+#[track_caller]
+pub fn assert_same_mesh(
+    actual: &MeshData,
+    (vertices, faces): (&[Vec3], &[Vec<u32>]),
+    kept: usize,
+    tolerance: f64,
+    what: &str,
+) {
+    assert_near(&actual.positions[..kept], &vertices[..kept], tolerance, what);
+    assert_eq!(actual.positions.len(), vertices.len(), "{what}");
+    let mut number = vec![u32::MAX; vertices.len()];
+    for (i, p) in actual.positions.iter().enumerate() {
+        let distance = |v: &usize| (vertices[*v] - *p).length();
+        let nearest = (0..vertices.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let v = nearest.expect("as many vertices");
+        assert!(distance(&v) <= tolerance, "{what}: point {i} is off by {:e}", distance(&v));
+        assert_eq!(std::mem::replace(&mut number[v], i as u32), u32::MAX, "{what}: {v} twice");
+    }
+    let turned = |mut face: Vec<u32>| {
+        let first = (0..face.len()).min_by_key(|&i| face[i]).unwrap_or(0);
+        face.rotate_left(first);
+        face
+    };
+    let mut actual: Vec<_> = face_lists(actual).into_iter().map(turned).collect();
+    let renumbered = |face: &Vec<u32>| face.iter().map(|&v| number[v as usize]).collect();
+    let mut expected: Vec<_> = faces.iter().map(renumbered).map(turned).collect();
+    actual.sort();
+    expected.sort();
+    assert!(actual == expected, "{what}: faces");
+}

@@ -7,6 +7,7 @@ use crate::data::{MeshData, WriteOptions, exact_bytes};
 use crate::error::Error;
 use crate::format::{NORMALS_PER_CORNER, left_out};
 use crate::par;
+use crate::stream::{Attributes, Checked, Shape};
 use crate::text::{NumberWriter, ROWS};
 
 /// Appends numbers of the body: text, or binary in little-endian order.
@@ -83,59 +84,96 @@ pub(crate) fn encode(
     options: &WriteOptions,
     out: &mut dyn Write,
 ) -> Result<Vec<String>, Error> {
-    let real = if options.single_precision { "float" } else { "double" };
+    let shape = Shape::of(data);
     let bytes = data
         .colours
         .as_ref()
         .and_then(|colours| colours.iter().map(exact_bytes).collect::<Option<Vec<_>>>());
-    let longest = data.faces.iter().map(<[u32]>::len).max().unwrap_or(0);
-    // A list of texture coordinates is twice as long.
-    let longest = if data.corner_uvs.is_some() { longest.saturating_mul(2) } else { longest };
-    let short_lists = longest <= 255;
-    // Some readers know no unsigned indices.
-    let index = if i32::try_from(data.positions.len()).is_ok() { "int" } else { "uint" };
+    write_header(&shape, bytes.is_some(), options, out)?;
+    par::write_rows(out, shape.vertex_count, ROWS, |rows, out| {
+        vertex_rows(data, bytes.as_deref(), rows, &mut RowWriter::new(options, out));
+    })?;
+    par::write_rows(out, shape.face_count, ROWS, |rows, out| {
+        face_rows(data, has_short_lists(&shape), rows, &mut RowWriter::new(options, out));
+    })?;
+    Ok(notes(&shape))
+}
 
+/// As [`encode`], of a mesh that is made meanwhile.
+pub(crate) fn encode_blocks(
+    blocks: &Checked<'_>,
+    options: &WriteOptions,
+    out: &mut dyn Write,
+) -> Result<Vec<String>, Error> {
+    let shape = &blocks.shape;
+    let as_bytes = blocks.all_colours(|c| exact_bytes(c).is_some());
+    write_header(shape, as_bytes, options, out)?;
+    blocks.write_vertices(out, Attributes::of(shape), |data, out| {
+        let colours = data.colours.iter().flatten().filter(|_| as_bytes);
+        let bytes: Vec<[u8; 4]> = colours.filter_map(exact_bytes).collect();
+        let bytes = (as_bytes && data.colours.is_some()).then_some(bytes.as_slice());
+        let rows = 0..data.positions.len();
+        vertex_rows(data, bytes, rows, &mut RowWriter::new(options, out));
+    })?;
+    blocks.write_faces(out, |data, _, out| {
+        let rows = 0..data.faces.len();
+        face_rows(data, has_short_lists(shape), rows, &mut RowWriter::new(options, out));
+    })?;
+    Ok(notes(shape))
+}
+
+/// Whether the length of every list fits into a byte. A list of texture coordinates is twice as long.
+fn has_short_lists(shape: &Shape<'_>) -> bool {
+    let longest = shape.face_size;
+    (if shape.corner_uvs { longest.saturating_mul(2) } else { longest }) <= 255
+}
+
+fn write_header(
+    shape: &Shape<'_>,
+    colours_as_bytes: bool,
+    options: &WriteOptions,
+    out: &mut dyn Write,
+) -> Result<(), Error> {
+    let real = if options.single_precision { "float" } else { "double" };
+    // Some readers know no unsigned indices.
+    let index = if i32::try_from(shape.vertex_count).is_ok() { "int" } else { "uint" };
     let encoding = if options.ascii { "ascii" } else { "binary_little_endian" };
-    let vertices = data.positions.len();
-    write!(out, "ply\nformat {encoding} 1.0\nelement vertex {vertices}\n")?;
+    write!(out, "ply\nformat {encoding} 1.0\nelement vertex {}\n", shape.vertex_count)?;
     let mut properties = |kind: &str, names: &[&str]| {
         names.iter().try_for_each(|name| writeln!(out, "property {kind} {name}"))
     };
     properties(real, &["x", "y", "z"])?;
-    if data.normals.is_some() {
+    if shape.normals {
         properties(real, &["nx", "ny", "nz"])?;
     }
-    if data.colours.is_some() {
-        let kind = if bytes.is_some() { "uchar" } else { real };
+    if shape.colours {
+        let kind = if colours_as_bytes { "uchar" } else { real };
         properties(kind, &["red", "green", "blue", "alpha"])?;
     }
-    if data.uvs.is_some() {
+    if shape.uvs {
         properties(real, &["s", "t"])?;
     }
-    let length = if short_lists { "uchar" } else { "uint" };
-    writeln!(out, "element face {}", data.faces.len())?;
+    let length = if has_short_lists(shape) { "uchar" } else { "uint" };
+    writeln!(out, "element face {}", shape.face_count)?;
     writeln!(out, "property list {length} {index} vertex_indices")?;
-    if data.corner_uvs.is_some() {
+    if shape.corner_uvs {
         writeln!(out, "property list {length} {real} texcoord")?;
     }
     writeln!(out, "end_header")?;
+    Ok(())
+}
 
-    par::write_rows(out, vertices, ROWS, |rows, out| {
-        vertex_rows(data, bytes.as_deref(), rows, &mut RowWriter::new(options, out));
-    })?;
-    par::write_rows(out, data.faces.len(), ROWS, |rows, out| {
-        face_rows(data, short_lists, rows, &mut RowWriter::new(options, out));
-    })?;
-    Ok(left_out(
+fn notes(shape: &Shape<'_>) -> Vec<String> {
+    left_out(
         &[
-            (data.corner_normals.is_some(), NORMALS_PER_CORNER),
-            (data.creases.is_some(), "crease tags"),
-            (data.groups.is_some(), "groups"),
-            (data.materials.is_some(), "materials"),
-            (data.material_library.is_some(), "the material library"),
+            (shape.corner_normals, NORMALS_PER_CORNER),
+            (shape.creases, "crease tags"),
+            (shape.groups.is_some(), "groups"),
+            (shape.materials.is_some(), "materials"),
+            (shape.material_library.is_some(), "the material library"),
         ],
         "PLY",
-    ))
+    )
 }
 
 /// Appends the rows of some vertices.

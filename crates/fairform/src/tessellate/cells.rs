@@ -11,6 +11,10 @@ use crate::ids::{EdgeId, FaceId, HalfedgeId, NONE, VertexId};
 use crate::scheme::Rules;
 use crate::{Topology, par};
 
+/// Most faces that are made step by step where a face becomes a [large](Grid::is_large) grid: with what
+/// lies around they take some hundred megabytes at worst.
+const MOST_LEFT: u64 = 1 << 16;
+
 /// What the points of all faces are made of.
 #[derive(Clone, Debug)]
 pub(super) struct Cells {
@@ -24,7 +28,8 @@ pub(super) struct Cells {
 }
 
 impl Cells {
-    pub(super) fn new(topology: &Topology, task: Task<'_>) -> Result<Self, Error> {
+    /// `None` if many steps are to be made at once and too many faces would be left.
+    pub(super) fn new(topology: &Topology, task: Task<'_>) -> Result<Option<Self>, Error> {
         let keys = keys(topology, task.rules);
         let mut finder = Finder { topology, task, classes: Classes::default(), recent: Vec::new() };
         finder.recent.resize(RECENT, ([0; 4], None));
@@ -62,11 +67,14 @@ impl Cells {
         }
         start.push(end as u32);
         drop(keys);
+        if task.grid.is_large() && (left.len() as u64) << (2 * task.grid.levels) > MOST_LEFT {
+            return Ok(None);
+        }
         let mut classes = finder.classes;
         classes.finish(&used, task.grid);
         let rest = if left.is_empty() { None } else { Some(Rest::new(&mut gatherer, left, task)?) };
         let sources = sources(topology, task, &class, &start, &special);
-        Ok(Self { classes, class, start, sources, rest })
+        Ok(Some(Self { classes, class, start, sources, rest }))
     }
 
     /// The vertices that the points of a face are made of.

@@ -17,6 +17,8 @@ const MOST_CLASSES: usize = 1024;
 
 /// Most weights of all classes together, so that memory is bounded whatever turns up.
 const MOST_WEIGHTS: usize = 1 << 21;
+/// The same with [large](Grid::is_large) grids: 128 MiB.
+const MOST_LARGE_WEIGHTS: usize = 1 << 24;
 
 /// Most values that a class may depend on: products with larger matrices are no gain.
 pub(super) const MOST_SOURCES: usize = 96;
@@ -94,7 +96,8 @@ impl Classes {
         if let Some(&class) = self.known.get(&key) {
             return Ok(Some(class));
         }
-        if self.list.len() == MOST_CLASSES || self.weight_count >= MOST_WEIGHTS {
+        let most = if task.grid.is_large() { MOST_LARGE_WEIGHTS } else { MOST_WEIGHTS };
+        if self.list.len() == MOST_CLASSES || self.weight_count >= most {
             return Ok(None);
         }
         let (topology, rules, source_count) = local(task.rules)?;
@@ -176,7 +179,8 @@ impl Class {
         };
         self.sides = all.clone().map(|s| or_empty(s, &[], is_used(&s))).collect();
         // Without sides too, for when those are asked for alone.
-        self.whole = all.map(|s| or_empty(s, inner, s == 0 || is_used(&s))).collect();
+        let is_whole = |s: usize| s == 0 || is_used(&s) && !grid.is_large();
+        self.whole = all.map(|s| or_empty(s, inner, is_whole(s))).collect();
     }
 }
 

@@ -12,6 +12,7 @@
 
 use alloc::vec::Vec;
 
+use super::MOST_AT_ONCE;
 use crate::Topology;
 use crate::ids::FaceId;
 
@@ -54,6 +55,11 @@ impl Grid {
         }
         grid.faces = faces;
         grid
+    }
+
+    /// Whether the rows of a class take so much memory that none are stored twice.
+    pub(super) fn is_large(&self) -> bool {
+        self.levels > MOST_AT_ONCE
     }
 
     pub(super) fn segments(&self) -> usize {

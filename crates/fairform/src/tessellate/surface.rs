@@ -161,11 +161,26 @@ impl<'t> Surface<'t> {
     /// If there is no such face.
     #[must_use]
     pub fn patch(&self, face: FaceId) -> (Vec<Vec3>, Vec<Vec3>) {
-        let all = self.tessellation;
-        let count = all.patch_numbers(face).len();
+        let count = self.tessellation.patch_numbers(face).len();
         let (mut positions, mut normals) =
             (alloc::vec![Vec3::ZERO; count], alloc::vec![Vec3::ZERO; count]);
-        let mut room = Room { positions: &mut positions[..], normals: Some(&mut normals[..]) };
+        self.fill_patch(face, &mut positions, Some(&mut normals));
+        (positions, normals)
+    }
+
+    /// As [`patch`](Self::patch), into given memory.
+    ///
+    /// # Panics
+    /// If there is no such face, or not room for just so many points.
+    pub fn fill_patch<P: Point, N: Point>(
+        &self,
+        face: FaceId,
+        positions: &mut [P],
+        normals: Option<&mut [N]>,
+    ) {
+        let all = self.tessellation;
+        assert!(normals.as_ref().is_none_or(|n| n.len() == positions.len()), "as many normals");
+        let mut room = Room { positions, normals };
         for v in all.base().face_vertices(face) {
             self.fill_vertex_block(v.index(), room.take(1));
         }
@@ -173,35 +188,39 @@ impl<'t> Surface<'t> {
             for h in all.base().face_halfedges(face) {
                 self.fill_side(plan, h, room.take(plan.grid.side));
             }
-            let (nothing, room) = room.split(0);
-            self.fill_block(plan, [false, true], face.index()..face.index() + 1, nothing, room);
+            let inner = room.take(plan.grid.inner);
+            let (nothing, inner) = inner.split(0);
+            self.fill_block(plan, [false, true], face.index()..face.index() + 1, nothing, inner);
         }
-        (positions, normals)
+        assert!(room.positions.is_empty(), "room for the points only");
     }
 
     /// The points on the side of a half-edge, in its direction, as the first face of the edge has them.
-    fn fill_side(&self, plan: &Plan, h: HalfedgeId, room: Room<'_, Vec3, Vec3>) {
+    fn fill_side<P: Point, N: Point>(&self, plan: &Plan, h: HalfedgeId, room: Room<'_, P, N>) {
         let base = self.tessellation.base();
         let (side, corners) = (plan.grid.side, plan.grid.corners);
         let first = base.edge_halfedge(base.edge(h));
         let face = first.index() / corners;
-        let before = owned_sides(base, face, corners) & ((1 << (first.index() % corners)) - 1);
-        let (skipped, mut all) = (before.count_ones() as usize * side, [Vec::new(), Vec::new()]);
-        let count = owned_sides(base, face, corners).count_ones() as usize * side;
-        all.iter_mut().for_each(|all| all.resize(count, Vec3::ZERO));
-        let [positions, normals] = &mut all;
-        let whole = Room { positions: &mut positions[..], normals: Some(&mut normals[..]) };
+        let owned = owned_sides(base, face, corners);
+        let before = owned & ((1 << (first.index() % corners)) - 1);
+        let (skipped, count) =
+            (before.count_ones() as usize * side, owned.count_ones() as usize * side);
+        let mut positions = alloc::vec![P::from(Vec3::ZERO); count];
+        let mut normals = room.normals.as_ref().map(|_| alloc::vec![N::from(Vec3::ZERO); count]);
+        let whole = Room { positions: &mut positions[..], normals: normals.as_deref_mut() };
         let (nothing, whole) = whole.split(0);
         self.fill_block(plan, [true, false], face..face + 1, whole, nothing);
-        let [positions, normals] = all.map(|mut all| {
-            let own = &mut all[skipped..skipped + side];
+        let own = skipped..skipped + side;
+        room.positions.copy_from_slice(&positions[own.clone()]);
+        if first != h {
+            room.positions.reverse();
+        }
+        if let (Some(slots), Some(normals)) = (room.normals, normals) {
+            slots.copy_from_slice(&normals[own]);
             if first != h {
-                own.reverse();
+                slots.reverse();
             }
-            own.to_vec()
-        });
-        let mut room = room;
-        room.write(positions.into_iter(), normals.into_iter());
+        }
     }
 
     fn fill_vertices<P: Point, N: Point>(&self, mut room: Room<'_, P, N>) {
@@ -323,6 +342,7 @@ impl<'t> Surface<'t> {
         let inner = if with_inner { plan.grid.inner } else { 0 };
         let with_normals = in_faces.normals.is_some();
         let (mut scratch, mut sources) = (Scratch::default(), Vec::new());
+        let apart = with_sides && with_inner && plan.grid.is_large();
         for face in faces {
             let sides = if with_sides { owned_sides(base, face, corners) } else { 0 };
             let on_sides = sides.count_ones() as usize * side;
@@ -338,9 +358,16 @@ impl<'t> Surface<'t> {
                 continue;
             }
             let class = &plan.cells.classes.list[class as usize];
-            let form = if with_inner { &class.whole[sides] } else { &class.sides[sides] };
             sources.clear();
             kernel::gather(plan.cells.sources(face), &self.points, &mut sources);
+            let (mut on_sides, mut sides) = (on_sides, sides);
+            if apart {
+                class.sides[sides].evaluate(&sources, &mut scratch, with_normals);
+                let normals = if with_normals { on_sides } else { 0 };
+                on_edges.write(scratch.positions(on_sides), scratch.normals(normals));
+                (on_sides, sides) = (0, 0);
+            }
+            let form = if with_inner { &class.whole[sides] } else { &class.sides[sides] };
             form.evaluate(&sources, &mut scratch, with_normals);
             let count = on_sides + inner;
             let (mut p, mut n) =
