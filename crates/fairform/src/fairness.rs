@@ -36,6 +36,7 @@ mod undulation;
 
 pub use curvature::{Curvature, curvatures};
 pub use distance::{Deviation, deviation, distances, mutual_deviation, samples};
+pub(crate) use distance::{square_to_segment, square_to_triangle};
 pub use measures::{Measures, PERCENTILES, measures};
 pub(crate) use normals::face_normal;
 pub use normals::{fitted_normals, vertex_normals};

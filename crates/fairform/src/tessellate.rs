@@ -45,6 +45,7 @@ use crate::refine::{self, check_size, refine};
 use crate::scheme::{Rules, Scheme};
 use crate::{Faces, Topology, Vec3, limit, par};
 
+mod adaptive;
 mod blocks;
 mod cells;
 mod classes;
@@ -54,6 +55,7 @@ mod point;
 mod rest;
 mod surface;
 
+pub use adaptive::{Adaptive, Eye, Tolerance};
 pub use blocks::{MOST_WITH_SMALL_BASE, base_level};
 use cells::Cells;
 use classes::Task;

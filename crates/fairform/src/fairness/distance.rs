@@ -211,7 +211,7 @@ impl Node {
 }
 
 /// Square of the distance from a point to a triangle, which may be a segment or a point.
-fn square_to_triangle(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> f64 {
+pub(crate) fn square_to_triangle(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> f64 {
     let sides = square_to_segment(p, a, b).min(square_to_segment(p, b, c));
     let rim = sides.min(square_to_segment(p, c, a));
     // Coordinates of the foot of the perpendicular, times the square of twice the area.
@@ -227,7 +227,7 @@ fn square_to_triangle(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> f64 {
     rim
 }
 
-fn square_to_segment(p: Vec3, a: Vec3, b: Vec3) -> f64 {
+pub(crate) fn square_to_segment(p: Vec3, a: Vec3, b: Vec3) -> f64 {
     let (side, w) = (b - a, p - a);
     let length = side.dot(side);
     let t = if length > 0.0 { (w.dot(side) / length).clamp(0.0, 1.0) } else { 0.0 };

@@ -83,6 +83,19 @@ impl Grid {
         self.first_of_side(self.corners)
     }
 
+    /// The coordinates of a point on a side, `t` segments from its beginning.
+    pub(super) fn on_side(&self, i: usize, t: usize) -> [usize; 2] {
+        let n = self.segments();
+        match (self.corners, i) {
+            (_, 0) => [t, 0],
+            (3, 1) => [n - t, t],
+            (3, _) => [0, n - t],
+            (_, 1) => [n, t],
+            (_, 2) => [n - t, n],
+            _ => [0, n - t],
+        }
+    }
+
     /// The number of the point with such coordinates.
     pub(super) fn number(&self, u: usize, v: usize) -> usize {
         let n = self.segments();

@@ -69,6 +69,12 @@ impl<'t> Surface<'t> {
         Self { tessellation, points, rest }
     }
 
+    /// What it is a surface of.
+    #[must_use]
+    pub fn tessellation(&self) -> &'t Tessellation {
+        self.tessellation
+    }
+
     /// All points.
     #[must_use]
     pub fn points(&self) -> Vec<Vec3> {
