@@ -4,10 +4,10 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand, ValueEnum};
-use fairform::Scheme;
 use fairform::interpolate::{Method, Norm};
 use fairform::sphere::Ends;
 use fairform::streamline::{Integration, MAX_DEPTH, Order};
+use fairform::{Scheme, Vec3};
 use fairform_io::Format;
 use fairform_render::{Range, Show, View};
 
@@ -143,7 +143,8 @@ pub(crate) struct Fit {
     materials.\n\nExamples:\n  \
     fairform refine control.obj -o fine.obj --levels 2\n  \
     fairform refine control.obj -o limit.ply --levels 3 --limit\n  \
-    fairform refine control.obj -o print.stl --levels 7 --limit"
+    fairform refine control.obj -o print.stl --levels 7 --limit\n  \
+    fairform refine control.obj -o light.glb --levels 5 --adaptive 1e-4"
 )]
 pub(crate) struct Refine {
     #[command(flatten)]
@@ -163,6 +164,14 @@ pub(crate) struct Refine {
     /// Move the vertices onto the limit surface, and write exact normals.
     #[arg(long)]
     pub(crate) limit: bool,
+    /// Only as fine as it must be, and at most as fine as so many levels: no point of the limit surface is
+    /// farther off than X diagonals of the bounding box. Implies --limit. For Loop and Catmull–Clark.
+    #[arg(long, value_name = "X", value_parser = positive)]
+    pub(crate) adaptive: Option<f64>,
+    /// X of --adaptive is in distances from this point instead: on a screen of 1000 pixels and seen at
+    /// about 50 degrees, a pixel is 0.001.
+    #[arg(long, value_name = "X,Y,Z", requires = "adaptive", value_parser = point, allow_hyphen_values = true)]
+    pub(crate) eye: Option<Vec3>,
 }
 
 /// Limit point and normal of every vertex of a control mesh.
@@ -737,6 +746,18 @@ fn positive(text: &str) -> Result<f64, String> {
 
 fn not_negative(text: &str) -> Result<f64, String> {
     number(text, |x| x >= 0.0, "a number that is not negative")
+}
+
+fn point(text: &str) -> Result<Vec3, String> {
+    let expected = "expected three numbers, such as 0,-2.5,1";
+    let numbers: Option<Vec<f64>> = text
+        .split(',')
+        .map(|one| one.trim().parse().ok().filter(|x: &f64| x.is_finite()))
+        .collect();
+    match numbers.as_deref() {
+        Some(&[x, y, z]) => Ok(Vec3::new(x, y, z)),
+        _ => Err(expected.into()),
+    }
 }
 
 fn number(text: &str, ok: fn(f64) -> bool, expected: &str) -> Result<f64, String> {

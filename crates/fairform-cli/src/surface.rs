@@ -13,8 +13,10 @@ use crate::console::{Console, Progress, count};
 use crate::failure::{Failure, in_mesh};
 use crate::input::Source;
 
+mod adaptive;
 mod fine;
 
+pub(crate) use adaptive::Nearness;
 pub(crate) use fine::Fine;
 
 /// What is done to a surface that has been refined.

@@ -332,3 +332,37 @@ fn support_and_curve_agree_where_the_boundary_is_its_own_limit() {
     let [curve, support] = ["curve.obj", "support.obj"].map(|name| folder.mesh(name).positions);
     assert_near(&curve, &support, 1e-10, "control points");
 }
+
+#[test]
+fn adaptive_meshes_are_as_near_as_asked_for() {
+    let folder = Folder::new();
+    sheet(&folder);
+    let refine = "refine sheet.obj -o out.ply --scheme catmull-clark --levels 4 --json";
+    folder.ok(&format!("{refine} --limit"));
+    let whole = mesh(&folder.mesh("out.ply"));
+    let mut last = usize::MAX;
+    for tolerance in [1e-4, 1e-3, 1e-2] {
+        let run = folder.ok(&format!("{refine} --adaptive {tolerance}"));
+        let report = run.json();
+        let made = mesh(&folder.mesh("out.ply"));
+        assert_eq!(report["faces"], made.topology().face_count());
+        // The diagonal of the sheet is below 1.5.
+        let farthest = fairform::fairness::deviation(whole.positions(), &made).max;
+        assert!(report["share_at_limit"].as_f64().unwrap() > 0.0 || farthest <= 1.5 * tolerance);
+        assert!(made.topology().face_count() < last);
+        last = made.topology().face_count();
+    }
+    assert!(8 * last < whole.topology().face_count(), "{last}");
+
+    let run =
+        folder.ok("refine sheet.obj -o out.obj --scheme catmull-clark --levels 3 --adaptive 1e-9");
+    assert!(run.stderr.contains("more --levels help"), "{}", run.stderr);
+    let near = format!("{refine} --adaptive 2e-4");
+    let [close, far] = ["0,0,1", "-90,0,3"].map(|eye| {
+        let run = folder.ok(&format!("{near} --eye {eye}"));
+        run.json()["faces"].as_u64().unwrap()
+    });
+    assert!(far < close, "{far} {close}");
+    folder.fails("refine sheet.obj -o out.ply --scheme doo-sabin --adaptive 0.01", 1, "adaptive");
+    folder.fails("refine sheet.obj -o out.ply --adaptive 0.01 --eye 1,2", 2, "three numbers");
+}

@@ -80,7 +80,7 @@ fn cases(subjects: &[Subject]) -> Vec<Case<'_>> {
         for subject in subjects.iter().filter(|subject| subject.triangles == (scheme == "loop")) {
             let levels = match work {
                 Work::Refine => subject.levels.clone(),
-                Work::Limit => 2..=2,
+                Work::Limit => 2..=3,
                 Work::Fit => 0..=0,
             };
             if work == Work::Refine || subject.is_made {

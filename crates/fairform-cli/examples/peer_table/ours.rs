@@ -9,10 +9,12 @@ use std::time::{Duration, Instant};
 #[cfg(feature = "direct")]
 use fairform::interpolate::Method;
 use fairform::interpolate::{Interpolator, Options};
-use fairform::{Bounds, Faces, Mesh, Rules, Scheme, Vec3, limit, refine};
+use fairform::onepass::{self, OnePass};
+use fairform::tessellate::{Point, Points, Tessellation};
+use fairform::{Bounds, Faces, Mesh, Rules, Scheme, Vec3, refine};
 use serde_json::json;
 
-/// `MESH SCHEME LEVELS REPEATS THREADS [limit | fit | fit-12 | direct]`
+/// `MESH SCHEME LEVELS REPEATS THREADS [f32 | steps | limit | limit-f32 | fit | fit-12 | exact | direct]`
 pub(crate) fn main(args: &[String]) {
     let [path, scheme, levels, repeats, threads, how @ ..] = args else {
         panic!("ours MESH SCHEME LEVELS REPEATS THREADS [HOW]")
@@ -50,10 +52,13 @@ fn run(task: &Task<'_>, repeats: u32) {
     for _ in 0..repeats {
         let mut laps = Laps::start();
         let (points, faces) = match task.how {
-            "" | "limit" => refined(task, &mut laps),
+            "" | "limit" => at_once::<Vec3>(task, &mut laps),
+            "f32" | "limit-f32" => at_once::<[f32; 3]>(task, &mut laps),
+            "steps" => step_by_step(task, &mut laps),
+            "exact" => exact(task, &mut laps),
             _ => fitted(task, &mut laps),
         };
-        cpu.push(cpu_seconds() - laps.cpu_start);
+        cpu.push(laps.cpu);
         samples.push(laps.parts);
         rest.get_or_insert_with(|| {
             let bytes = status_bytes("VmHWM:").saturating_sub(before);
@@ -75,20 +80,64 @@ fn run(task: &Task<'_>, repeats: u32) {
     println!("{line}");
 }
 
-/// Steps of the scheme, and the limit of what they make.
-fn refined(task: &Task<'_>, laps: &mut Laps) -> Arrays {
+/// All steps of the scheme at once, to the limit if that is asked for, with normals.
+fn at_once<P: Point + Default + Clone + Into<Triple>>(task: &Task<'_>, laps: &mut Laps) -> Arrays {
     let mesh = Mesh::new(task.points.clone(), &task.faces).expect("a manifold");
     laps.lap();
-    let (mesh, rules) = refine::refine_mesh(&mesh, &task.rules, task.levels).expect("fits");
-    let limit = (task.how == "limit").then(|| {
-        let (topology, points) = (mesh.topology(), mesh.positions());
-        let normals = limit::limit_normals(topology, points, &rules).expect("a surface");
-        (limit::limit_points(topology, points, &rules).expect("a surface"), normals)
-    });
+    let is_limit = task.how.starts_with("limit");
+    let kind = if is_limit { Points::Limit } else { Points::Control };
+    let all = Tessellation::new(mesh.topology(), &task.rules, task.levels, kind).expect("fits");
+    let surface = all.surface(mesh.positions()).expect("a surface");
+    let mut points = vec![P::default(); all.vertex_count()];
+    let mut normals = if is_limit { points.clone() } else { Vec::new() };
+    surface.fill(&mut points, is_limit.then_some(normals.as_mut_slice()));
+    laps.lap();
+    let faces = all.faces();
+    laps.lap();
+    laps.end();
+    (points.into_iter().map(|p| p.into().0).collect(), faces)
+}
+
+/// A point as all are compared.
+struct Triple(Vec3);
+
+impl From<Vec3> for Triple {
+    fn from(p: Vec3) -> Self {
+        Self(p)
+    }
+}
+
+impl From<[f32; 3]> for Triple {
+    fn from([x, y, z]: [f32; 3]) -> Self {
+        Self(Vec3::new(x.into(), y.into(), z.into()))
+    }
+}
+
+/// Mesh after mesh, with their connectivity.
+fn step_by_step(task: &Task<'_>, laps: &mut Laps) -> Arrays {
+    let mesh = Mesh::new(task.points.clone(), &task.faces).expect("a manifold");
+    laps.lap();
+    let (mesh, _) = refine::refine_mesh(&mesh, &task.rules, task.levels).expect("fits");
     laps.lap();
     let faces = mesh.topology().to_faces();
-    let points = limit.map_or_else(|| mesh.into_positions(), |(points, _)| points);
     laps.lap();
+    laps.end();
+    (mesh.into_positions(), faces)
+}
+
+/// Points of level 1 whose limit points are the given ones up to rounding.
+fn exact(task: &Task<'_>, laps: &mut Laps) -> Arrays {
+    let mesh = Mesh::new(task.points.clone(), &task.faces).expect("a manifold");
+    let options = onepass::Options::default();
+    let one = OnePass::new(mesh.topology(), &task.rules, &options).expect("a scheme for it");
+    laps.lap();
+    let (mut points, _) = one.fit(mesh.positions()).expect("fits");
+    // So that times are per vertex of the mesh.
+    points.truncate(mesh.positions().len());
+    laps.lap();
+    let faces = mesh.topology().to_faces();
+    laps.lap();
+    laps.end();
     (points, faces)
 }
 
@@ -110,6 +159,7 @@ fn fitted(task: &Task<'_>, laps: &mut Laps) -> Arrays {
     laps.lap();
     let faces = mesh.topology().to_faces();
     laps.lap();
+    laps.end();
     (points, faces)
 }
 
@@ -117,12 +167,14 @@ fn fitted(task: &Task<'_>, laps: &mut Laps) -> Arrays {
 struct Laps {
     parts: Vec<f64>,
     cpu_start: f64,
+    /// Seconds that all threads ran, in the end.
+    cpu: f64,
     last: Instant,
 }
 
 impl Laps {
     fn start() -> Self {
-        Self { parts: Vec::new(), cpu_start: cpu_seconds(), last: Instant::now() }
+        Self { parts: Vec::new(), cpu_start: cpu_seconds(), cpu: 0.0, last: Instant::now() }
     }
 
     /// Ends a part.
@@ -130,6 +182,11 @@ impl Laps {
         let now = Instant::now();
         self.parts.push((now - self.last).as_secs_f64());
         self.last = now;
+    }
+
+    /// Ends the run.
+    fn end(&mut self) {
+        self.cpu = cpu_seconds() - self.cpu_start;
     }
 }
 

@@ -97,11 +97,15 @@ fn ours() -> Vec<Peer> {
     vec![
         one("**fairform**, 1 thread", &["1"], THREE, Work::Refine),
         one("**fairform**, 2 threads", &["2"], THREE, Work::Refine),
+        one("**fairform**, 1 thread, f32", &["1", "f32"], THREE, Work::Refine),
+        one("**fairform**, 1 thread, step by step", &["1", "steps"], THREE, Work::Refine),
         one("**fairform**, 1 thread", &["1", "limit"], TWO, Work::Limit),
         one("**fairform**, 2 threads", &["2", "limit"], TWO, Work::Limit),
+        one("**fairform**, 1 thread, f32", &["1", "limit-f32"], TWO, Work::Limit),
         one("**fairform**, 1 thread", &["1", "fit"], LOOP, Work::Fit),
         one("**fairform**, 2 threads", &["2", "fit"], LOOP, Work::Fit),
         one("**fairform** to 1e-12, 1 thread", &["1", "fit-12"], LOOP, Work::Fit),
+        one("**fairform**, exact on level 1, 1 thread", &["1", "exact"], LOOP, Work::Fit),
         #[cfg(feature = "direct")]
         one("**fairform** with faer, simplicial", &["1", "direct"], LOOP, Work::Fit),
     ]
