@@ -52,7 +52,7 @@ pub enum Method {
     #[cfg(feature = "direct")]
     Direct,
     /// Chebyshev's recurrence patch by patch, in one pass over memory, for the spectrum that meshes have
-    /// in practice, see [`onepass`](crate::onepass); then [`Auto`](Self::Auto) from there, if the
+    /// in practice, see [`crate::onepass`]; then [`Auto`](Self::Auto) from there, if the
     /// tolerance was missed. Makes at most [`MOST_STEPS`] updates.
     OnePass,
 }

@@ -118,7 +118,7 @@ impl Interpolator<'_> {
     /// The solve before the push-back makes six updates of Chebyshev's recurrence, after which nobody
     /// sees a difference; or exactly [`Options::iterations`] if there is no tolerance. On large meshes and
     /// with [`Method::OnePass`], which makes at most [`MOST_STEPS`] updates, all is done in one pass, see
-    /// [`onepass`](crate::onepass). With other methods it runs as [`fit`](Self::fit) does, except where the limit operator
+    /// [`crate::onepass`]. With other methods it runs as [`fit`](Self::fit) does, except where the limit operator
     /// is known to be singular or not definite, since it would not end, or if it diverges.
     ///
     /// # Errors
