@@ -146,10 +146,10 @@ pub fn write(
     save_encoded(path, gzip, &mut |out| encode(format, data, options, out))
 }
 
-/// Writes a mesh while it is made, as [`write`] does one in memory.
+/// Writes a mesh while it is made, as [`write()`] does one in memory.
 ///
 /// # Errors
-/// As [`write`] and [`encode_blocks`].
+/// As [`write()`] and [`encode_blocks`].
 pub fn write_blocks(
     path: &Path,
     format: Option<Format>,
