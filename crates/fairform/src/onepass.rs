@@ -76,9 +76,7 @@ const PATCH_SIZE: usize = 12_288;
 /// Local numbers that all patches together may have in any case, and per vertex: beyond that halos make
 /// more work than they save, as around vertices with thousands of neighbours.
 const COPIES: usize = 1 << 22;
-const MOST_COPIES: usize = 16;
-/// Per vertex, where cutting by positions pays.
-const MOST_COPIES_NEAR: usize = 3;
+const MOST_COPIES: f64 = 16.0;
 
 /// Exponents of two up to which squares of lengths neither over- nor underflow.
 const FAR: i32 = 400;
@@ -334,14 +332,15 @@ impl Patches {
         let maker = Maker { topology, rules, special: &special, reach, with_finer };
         let mut size = options.patch_size.min(topology.vertex_count());
         let near = positions.and_then(|positions| cut::cut_by_position(positions, size));
-        let made = near.and_then(|cut| Self::make(&maker, &kernel, cut, MOST_COPIES_NEAR));
+        let made = near.and_then(|cut| Self::make(&maker, &kernel, cut, copies_near(size, reach)));
         if made.is_some() {
             return made;
         }
         let rings = Rings::new(topology);
+        let most = MOST_COPIES.max(COPIES as f64 / topology.vertex_count() as f64);
         loop {
             let cut = cut::cut(&rings, topology.vertex_count(), size);
-            let made = Self::make(&maker, &kernel, cut, MOST_COPIES);
+            let made = Self::make(&maker, &kernel, cut, most);
             // Fewer vertices have smaller halos, unless some have very many neighbours.
             if made.is_some() || size < 1024 {
                 return made;
@@ -355,7 +354,7 @@ impl Patches {
         maker: &Maker<'_, '_>,
         kernel: &Kernel,
         (patch_of, count): (Vec<u32>, usize),
-        most_copies: usize,
+        most_copies: f64,
     ) -> Option<(Self, usize)> {
         let topology = maker.topology;
         let vertex_count = topology.vertex_count();
@@ -378,7 +377,7 @@ impl Patches {
         let vertices = Groups::new(count, &runs, vertex_count);
         let points = Groups::new(count, &point_runs, point_count);
 
-        let most = COPIES.max(most_copies * vertex_count);
+        let most = (most_copies * vertex_count as f64) as usize;
         let parts = par::part_count().min(count);
         let ranges = (0..parts).map(|i| i * count / parts..(i + 1) * count / parts).collect();
         let made = par::map_parts(ranges, |range: core::ops::Range<usize>| {
@@ -472,6 +471,13 @@ impl Patches {
         });
         distances.into_iter().fold(Distances::default(), Distances::plus)
     }
+}
+
+/// Local numbers per vertex that patches may have which are cut by positions, twice as wide halos as those of
+/// squares of so many vertices; with more, the positions are not those of a surface.
+fn copies_near(size: usize, reach: u32) -> f64 {
+    let side = 1.0 + 4.0 * f64::from(reach + 1) / libm::sqrt(size as f64);
+    (side * side).max(3.0)
 }
 
 /// A patch and where its results go.
