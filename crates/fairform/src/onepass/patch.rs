@@ -278,9 +278,9 @@ impl Maker<'_, '_> {
                 continue;
             };
             let [next, prev] = around_triangle(h);
-            let ends = [h, next, prev, around_triangle(twin)[1]];
-            let local = ends.map(|h| numbers.vertex[t.origin(h).index()] as u16);
-            patch.edges.push(local);
+            let [_, last] = around_triangle(twin);
+            let local = |h: HalfedgeId| numbers.vertex[t.origin(h).index()] as u16;
+            patch.edges.push([local(h), local(next), local(prev), local(last)]);
         }
     }
 
@@ -328,12 +328,12 @@ impl Maker<'_, '_> {
 #[inline]
 fn around_triangle(h: HalfedgeId) -> [HalfedgeId; 2] {
     let first = h.0 / 3 * 3;
-    match h.0 - first {
+    let [next, prev] = match h.0 - first {
         0 => [first + 1, first + 2],
         1 => [first + 2, first],
         _ => [first, first + 1],
-    }
-    .map(HalfedgeId)
+    };
+    [HalfedgeId(next), HalfedgeId(prev)]
 }
 
 /// The local number of a vertex, a new one if it has none.
