@@ -80,7 +80,11 @@ pub(super) struct Numbers {
     patch: Patch,
     rings: Vec<u32>,
     walked: Vec<(u32, u32)>,
+    row: Row,
 }
+
+/// A row that is written out next.
+type Row = Vec<(u32, f64)>;
 
 /// Vertices whose rings are walked at once.
 const WALKED: usize = 1024;
@@ -94,6 +98,7 @@ impl Numbers {
             patch: Patch::default(),
             rings: Vec::new(),
             walked: Vec::new(),
+            row: Row::new(),
         }
     }
 }
@@ -157,10 +162,9 @@ impl Maker<'_, '_> {
     }
 
     #[cold]
-    fn special_vertex(&self, v: VertexId, patch: &mut Patch, numbers: &Numbers) {
-        let mut row = Vec::new();
-        self.special.limit(v, &mut row);
-        patch.limit.push(&row, 0.0, &numbers.vertex);
+    fn special_vertex(&self, v: VertexId, patch: &mut Patch, numbers: &mut Numbers) {
+        self.special.limit(v, &mut numbers.row);
+        patch.limit.push(&numbers.row, 0.0, &numbers.vertex);
         patch.valence.push(SPECIAL);
         if self.rules.scheme == Scheme::DooSabin {
             patch.centre.push(0.0);
@@ -249,13 +253,12 @@ impl Maker<'_, '_> {
     }
 
     /// The rows of finer values.
-    fn outputs(&self, patch: &mut Patch, points: &[(u32, u32)], numbers: &Numbers) {
-        let mut row = Vec::new();
+    fn outputs(&self, patch: &mut Patch, points: &[(u32, u32)], numbers: &mut Numbers) {
         if self.rules.scheme != Scheme::DooSabin {
             for i in 0..patch.ends[0] as usize {
                 if patch.valence[i] == SPECIAL {
-                    let target = self.special.vertex(VertexId(patch.vertices[i]), &mut row);
-                    patch.made.push(&row, target, &numbers.vertex);
+                    let target = self.special.vertex(VertexId(patch.vertices[i]), &mut numbers.row);
+                    patch.made.push(&numbers.row, target, &numbers.vertex);
                 }
             }
         }
@@ -269,7 +272,7 @@ impl Maker<'_, '_> {
     }
 
     /// Points on edges of triangles, whose half-edges come three by three.
-    fn loop_edges(&self, edges: Range<u32>, patch: &mut Patch, numbers: &Numbers) {
+    fn loop_edges(&self, edges: Range<u32>, patch: &mut Patch, numbers: &mut Numbers) {
         let t = self.topology;
         for e in edges.map(EdgeId) {
             let h = t.edge_halfedge(e);
@@ -284,7 +287,7 @@ impl Maker<'_, '_> {
         }
     }
 
-    fn point(&self, patch: &mut Patch, point: u32, numbers: &Numbers) {
+    fn point(&self, patch: &mut Patch, point: u32, numbers: &mut Numbers) {
         let t = self.topology;
         if point as usize >= t.edge_count() {
             let f = point as usize - t.edge_count();
@@ -301,21 +304,19 @@ impl Maker<'_, '_> {
     }
 
     #[cold]
-    fn special_point(&self, patch: &mut Patch, e: EdgeId, numbers: &Numbers) {
-        let mut row = Vec::new();
-        self.special.point(self.topology.vertex_count() + e.index(), &mut row);
-        patch.made.push(&row, 0.0, &numbers.vertex);
+    fn special_point(&self, patch: &mut Patch, e: EdgeId, numbers: &mut Numbers) {
+        self.special.point(self.topology.vertex_count() + e.index(), &mut numbers.row);
+        patch.made.push(&numbers.row, 0.0, &numbers.vertex);
         patch.edges.push([WRITTEN; 4]);
     }
 
-    fn image(&self, patch: &mut Patch, image: u32, numbers: &Numbers) {
+    fn image(&self, patch: &mut Patch, image: u32, numbers: &mut Numbers) {
         let t = self.topology;
         let v = self.special.vertex_of_image(image as usize);
         let local = numbers.vertex[v.index()] as u16;
         if patch.valence[local as usize] == SPECIAL {
-            let mut row = Vec::new();
-            let target = self.special.image(image as usize, v, &mut row);
-            patch.made.push(&row, target, &numbers.vertex);
+            let target = self.special.image(image as usize, v, &mut numbers.row);
+            patch.made.push(&numbers.row, target, &numbers.vertex);
             // The vertex is needed for what is to be met.
             return patch.images.push([local, WRITTEN]);
         }
