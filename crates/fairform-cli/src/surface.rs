@@ -3,8 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use fairform::interpolate::{Fit, Interpolator, Norm, Options};
-use fairform::pushback::PushBack;
+use fairform::interpolate::{ExactFit, Fit, Interpolator, Norm, Options};
 use fairform::refine::{self, Refined};
 use fairform::{Border, Corners, HalfedgeId, Mesh, Rules, Scheme, Vec3, limit, tessellate};
 use fairform_io::{CreaseList, InterpolateBoundary, Labels, MeshData};
@@ -134,17 +133,17 @@ impl Surface {
 
     /// Finds the control values of colours and texture coordinates, so that these pass through the
     /// given ones as the surface does through the vertices.
-    pub(crate) fn fit_fields(
-        &mut self,
-        interpolator: &Interpolator<'_>,
-        options: &Options,
-    ) -> Result<(), fairform::Error> {
+    pub(crate) fn fit_fields(&mut self, options: &Options) -> Result<(), fairform::Error> {
         // Their units are not those of the positions.
         let norm = if options.norm == Norm::Absolute { Norm::Diagonal } else { options.norm };
         let options = Options { norm, ..*options };
-        for field in self.fields() {
-            let mut go_on = |_, _| ControlFlow::Continue(());
-            *field = interpolator.fit(field, &options, &mut go_on)?.0;
+        if self.fields().next().is_some() {
+            let (mesh, rules) = (self.mesh.clone(), self.rules.clone());
+            let interpolator = Interpolator::near(mesh.topology(), &rules, mesh.positions())?;
+            for field in self.fields() {
+                let mut go_on = |_, _| ControlFlow::Continue(());
+                *field = interpolator.fit(field, &options, &mut go_on)?.0;
+            }
         }
         // Normals describe the surface that was given; the new one has its own.
         self.normals = None;
@@ -155,16 +154,19 @@ impl Surface {
     pub(crate) fn pushed_back(
         &self,
         fit: Fit,
-        interpolator: &Interpolator<'_>,
         options: &Options,
         progress: &Progress,
     ) -> Result<Self, fairform::Error> {
         let mut finer = self.refine(1, progress)?;
         let mut given = self.clone();
-        let pushback = PushBack::new(self.mesh.topology(), &self.rules)?;
-        for (field, given) in finer.fields().zip(given.fields()) {
-            let mut go_on = |_, _| ControlFlow::Continue(());
-            *field = interpolator.fit_exactly(&pushback, given, options, &mut go_on)?.0;
+        if finer.fields().next().is_some() {
+            // Prepared once for all of them.
+            let (topology, positions) = (self.mesh.topology(), self.mesh.positions());
+            let mut exact = ExactFit::near(topology, &self.rules, positions)?;
+            for (field, given) in finer.fields().zip(given.fields()) {
+                let mut go_on = |_, _| ControlFlow::Continue(());
+                *field = exact.fit(given, options, &mut go_on)?.0;
+            }
         }
         finer.mesh = fit.control;
         finer.rules = fit.rules;

@@ -30,7 +30,7 @@ use crate::solve::direct::Entries as Operator;
 mod level_one;
 mod one_pass;
 
-pub use level_one::{Fit, fit_mesh};
+pub use level_one::{ExactFit, Fit, fit_mesh};
 pub use one_pass::{Certificate, MOST_STEPS};
 
 /// How control points are found. All methods have the same answer.
@@ -389,12 +389,9 @@ impl<'t> Interpolator<'t> {
         rules: &'t Rules,
         positions: Option<&[Vec3]>,
     ) -> Result<Self, Error> {
-        limit::check(topology, rules)?;
-        if topology.vertex_count() == 0 {
-            return Err(Error::NoVertices);
-        }
+        let unprepared = Self::unprepared(topology, rules)?;
         if rules.scheme.is_interpolating() {
-            return Ok(Self { topology, rules, stages: Vec::new() });
+            return Ok(unprepared);
         }
         let parts = Parts::new(topology, rules);
         let closed = parts.curves.is_empty() && parts.known.is_empty();
@@ -426,6 +423,15 @@ impl<'t> Interpolator<'t> {
             );
         }
         Ok(Self { topology, rules, stages })
+    }
+
+    /// Without stages: what fits in one pass do with.
+    fn unprepared(topology: &'t Topology, rules: &'t Rules) -> Result<Self, Error> {
+        limit::check(topology, rules)?;
+        if topology.vertex_count() == 0 {
+            return Err(Error::NoVertices);
+        }
+        Ok(Self { topology, rules, stages: Vec::new() })
     }
 
     /// The stages in order: which vertices, how many, and a lower bound for the eigenvalues of the
@@ -753,8 +759,34 @@ struct Bound {
 /// Lower bounds for the eigenvalues of the limit operator on all vertices at once, guaranteed (not positive
 /// where nothing is known) and usual: the operator is block triangular, so its spectrum is that of the stages.
 pub(crate) fn whole_bound(topology: &Topology, rules: &Rules) -> [f64; 2] {
+    if rules.creases.is_none() && rules.tension.is_none() {
+        return plain_bound(topology, rules);
+    }
     let parts = Parts::new(topology, rules);
     bound_of(topology, rules, !parts.curves.is_empty(), &parts.others)
+}
+
+/// [`whole_bound`] without creases and shape parameters, where one vertex tells of all: an inner one with
+/// the fewest faces.
+fn plain_bound(topology: &Topology, rules: &Rules) -> [f64; 2] {
+    let sharp = rules.sharpness(topology);
+    let blocks = par::blocks(topology.vertex_count(), |range| {
+        let (mut has_curves, mut fewest) = (false, None);
+        for v in range.map(|v| VertexId(v as u32)).filter(|&v| !topology.is_isolated(v)) {
+            if !topology.is_boundary(v) {
+                let fan = (topology.fan_size(v), v.0);
+                fewest = Some(fewest.map_or(fan, |fewest: (u32, u32)| fewest.min(fan)));
+            } else if !has_curves {
+                has_curves = rules.scheme == Scheme::DooSabin
+                    || sharp.vertex(v) == 0.0 && !rules.is_support(topology, v);
+            }
+        }
+        (has_curves, fewest)
+    });
+    let has_curves = blocks.iter().any(|block| block.0);
+    let fewest = blocks.into_iter().filter_map(|block| block.1).min();
+    let others: Vec<u32> = fewest.into_iter().map(|(_, v)| v).collect();
+    bound_of(topology, rules, has_curves, &others)
 }
 
 /// [`whole_bound`] of some vertices only, without asking which of them make stages of their own.

@@ -73,9 +73,10 @@ pub fn usual_steps(scheme: Scheme) -> u32 {
 /// Vertices whose values fit into the second cache of a core, halo and all.
 const PATCH_SIZE: usize = 12_288;
 
-/// Local numbers that all patches together may have, per vertex and in any case: beyond that halos make
+/// Local numbers that all patches together may have in any case, and per vertex: beyond that halos make
 /// more work than they save, as around vertices with thousands of neighbours.
-const MOST_COPIES: [usize; 2] = [16, 1 << 22];
+const COPIES: usize = 1 << 22;
+const MOST_COPIES: f64 = 16.0;
 
 /// Exponents of two up to which squares of lengths neither over- nor underflow.
 const FAR: i32 = 400;
@@ -145,6 +146,61 @@ impl<'t> OnePass<'t> {
     /// # Panics
     /// If the patch size is zero.
     pub fn new(topology: &'t Topology, rules: &'t Rules, options: &Options) -> Result<Self, Error> {
+        Self::prepare(topology, rules, options, None)
+    }
+
+    /// As [`new`](Self::new), with patches cut as `positions` lie in space, which takes a fraction of the
+    /// time. The results are the same.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    ///
+    /// # Panics
+    /// As [`new`](Self::new); if there is not one position per vertex.
+    pub fn near(
+        topology: &'t Topology,
+        rules: &'t Rules,
+        options: &Options,
+        positions: &[Vec3],
+    ) -> Result<Self, Error> {
+        assert_eq!(positions.len(), topology.vertex_count(), "one position per vertex");
+        Self::prepare(topology, rules, options, Some(positions))
+    }
+
+    fn prepare(
+        topology: &'t Topology,
+        rules: &'t Rules,
+        options: &Options,
+        positions: Option<&[Vec3]>,
+    ) -> Result<Self, Error> {
+        if let Some(patched) = Self::patched(topology, rules, options, positions)? {
+            return Ok(patched);
+        }
+        let pushback = match options.level {
+            Level::Control => None,
+            Level::Finer => Some(PushBack::new(topology, rules)?),
+        };
+        let interpolator = match positions {
+            Some(positions) => Interpolator::near(topology, rules, positions)?,
+            None => Interpolator::new(topology, rules)?,
+        };
+        let finer = pushback.as_ref().map(|p| p.step().topology.vertex_count());
+        Ok(Self {
+            topology,
+            level: options.level,
+            steps: options.steps.unwrap_or(usual_steps(rules.scheme)),
+            result_count: finer.unwrap_or(topology.vertex_count()),
+            engine: Engine::Sweeps(Box::new(Sweeps { interpolator, pushback })),
+        })
+    }
+
+    /// [`new`](Self::new) or [`near`](Self::near), if there are patches.
+    pub(crate) fn patched(
+        topology: &'t Topology,
+        rules: &Rules,
+        options: &Options,
+        positions: Option<&[Vec3]>,
+    ) -> Result<Option<Self>, Error> {
         assert!(options.patch_size > 0, "a patch has vertices");
         limit::check(topology, rules)?;
         if topology.vertex_count() == 0 {
@@ -155,20 +211,14 @@ impl<'t> OnePass<'t> {
         if level == Level::Finer {
             check_size(topology, rules, 1)?;
         }
-        let patches = Patches::new(topology, rules, steps, options);
-        let (engine, result_count) = if let Some((patches, count)) = patches {
-            (Engine::Patches(patches), count)
-        } else {
-            let pushback = match level {
-                Level::Control => None,
-                Level::Finer => Some(PushBack::new(topology, rules)?),
-            };
-            let finer = pushback.as_ref().map(|p| p.step().topology.vertex_count());
-            let interpolator = Interpolator::new(topology, rules)?;
-            let count = finer.unwrap_or(topology.vertex_count());
-            (Engine::Sweeps(Box::new(Sweeps { interpolator, pushback })), count)
-        };
-        Ok(Self { topology, level, steps, result_count, engine })
+        let patches = Patches::new(topology, rules, steps, options, positions);
+        Ok(patches.map(|(patches, result_count)| Self {
+            topology,
+            level,
+            steps,
+            result_count,
+            engine: Engine::Patches(patches),
+        }))
     }
 
     /// Whether there are patches. Otherwise fits sweep over the whole mesh.
@@ -256,7 +306,7 @@ impl<'t> OnePass<'t> {
         let mut go_on = |_, _| ControlFlow::Continue(());
         let (values, report) = match pushback {
             None => interpolator.fit(target, &options, &mut go_on)?,
-            Some(pushback) => interpolator.fit_exactly(pushback, target, &options, &mut go_on)?,
+            Some(pushback) => interpolator.sweep_exactly(pushback, target, &options, &mut go_on)?,
         };
         out.copy_from_slice(&values);
         let last = report.stages.last().map_or(0.0, |stage| stage.solve.last().mean);
@@ -272,32 +322,42 @@ impl Patches {
         rules: &Rules,
         reach: u32,
         options: &Options,
+        positions: Option<&[Vec3]>,
     ) -> Option<(Self, usize)> {
         let special = Special::new(topology, rules)?;
         let [guaranteed, usual] = whole_bound(topology, rules);
         let steps = chebyshev_steps(usual.max(guaranteed), reach);
         let kernel = Kernel::new(rules.scheme, steps);
-        let rings = Rings::new(topology);
+        let with_finer = options.level == Level::Finer;
+        let maker = Maker { topology, rules, special: &special, reach, with_finer };
         let mut size = options.patch_size.min(topology.vertex_count());
+        let near = positions.and_then(|positions| cut::cut_by_position(positions, size));
+        let made = near.and_then(|cut| Self::make(&maker, &kernel, cut, copies_near(size, reach)));
+        if made.is_some() {
+            return made;
+        }
+        let rings = Rings::new(topology);
+        let most = MOST_COPIES.max(COPIES as f64 / topology.vertex_count() as f64);
         loop {
-            let with_finer = options.level == Level::Finer;
-            let maker =
-                Maker { topology, rules, special: &special, rings: &rings, reach, with_finer };
-            if let Some(made) = Self::make(&maker, &kernel, size) {
-                return Some(made);
-            }
+            let cut = cut::cut(&rings, topology.vertex_count(), size);
+            let made = Self::make(&maker, &kernel, cut, most);
             // Fewer vertices have smaller halos, unless some have very many neighbours.
-            if size < 1024 {
-                return None;
+            if made.is_some() || size < 1024 {
+                return made;
             }
             size /= 4;
         }
     }
 
-    fn make(maker: &Maker<'_, '_>, kernel: &Kernel, size: usize) -> Option<(Self, usize)> {
+    /// From the patch of every vertex, and how many patches there are.
+    fn make(
+        maker: &Maker<'_, '_>,
+        kernel: &Kernel,
+        (patch_of, count): (Vec<u32>, usize),
+        most_copies: f64,
+    ) -> Option<(Self, usize)> {
         let topology = maker.topology;
         let vertex_count = topology.vertex_count();
-        let (patch_of, count) = cut::cut(maker.rings, vertex_count, size);
         let of_vertex = |v: u32| patch_of[v as usize];
         let of_point = |i: u32| {
             let v = if maker.rules.scheme == Scheme::DooSabin {
@@ -311,13 +371,15 @@ impl Patches {
             };
             patch_of[v.index()]
         };
-        let vertices = Groups::new(count, vertex_count, of_vertex);
         let point_count = if maker.with_finer { maker.special.new_point_count() } else { 0 };
-        let points = Groups::new(count, point_count, of_point);
+        let mut runs = cut::runs(vertex_count, of_vertex);
+        let point_runs = cut::runs(point_count, of_point);
+        let vertices = Groups::new(count, &runs, vertex_count);
+        let points = Groups::new(count, &point_runs, point_count);
 
+        let most = (most_copies * vertex_count as f64) as usize;
         let parts = par::part_count().min(count);
         let ranges = (0..parts).map(|i| i * count / parts..(i + 1) * count / parts).collect();
-        let most = MOST_COPIES[1].max(MOST_COPIES[0] * vertex_count) / parts;
         let made = par::map_parts(ranges, |range: core::ops::Range<usize>| {
             let mut numbers = Numbers::new(topology, maker.rules.scheme);
             let mut copies = 0;
@@ -330,21 +392,24 @@ impl Patches {
                 }
                 patches.push(patch);
             }
-            Some(patches)
+            Some((patches, copies))
         });
-        let patches: Option<Vec<Vec<Patch>>> = made.into_iter().collect();
-        let patches: Vec<Patch> = patches?.into_iter().flatten().collect();
-
-        let mut runs = Vec::new();
-        let has_vertices = !(maker.with_finer && maker.rules.scheme == Scheme::DooSabin);
-        if has_vertices {
-            runs.extend(cut::runs(vertex_count, of_vertex));
+        let made: Vec<(Vec<Patch>, usize)> = made.into_iter().collect::<Option<_>>()?;
+        if made.iter().map(|part| part.1).sum::<usize>() > most {
+            return None;
         }
-        runs.extend(cut::runs(point_count, of_point));
+        let list: Vec<Patch> = made.into_iter().flat_map(|part| part.0).collect();
+
+        let mut result_count = vertex_count;
+        if maker.with_finer && maker.rules.scheme == Scheme::DooSabin {
+            (runs, result_count) = (Vec::new(), 0);
+        }
+        let first = result_count as u32;
+        runs.extend(point_runs.iter().map(|run| Run { first: first + run.first, ..*run }));
+        result_count += point_count;
         let mut run_count = alloc::vec![0; count];
         runs.iter().for_each(|run| run_count[run.patch as usize] += 1);
-        let result_count = point_count + if has_vertices { vertex_count } else { 0 };
-        Some((Self { kernel: kernel.clone(), list: patches, runs, run_count }, result_count))
+        Some((Self { kernel: kernel.clone(), list, runs, run_count }, result_count))
     }
 
     fn fit(&self, level: Level, target: &[Vec3], exponent: i32, out: &mut [Vec3]) -> Distances {
@@ -367,9 +432,11 @@ impl Patches {
         let scale = [-exponent, exponent].map(|e| libm::ldexp(1.0, e));
         let mut slices: Vec<Vec<&mut [Vec3]>> =
             self.run_count.iter().map(|&count| Vec::with_capacity(count as usize)).collect();
+        let count = out.len();
         let mut rest = out;
-        for run in &self.runs {
-            let (own, others) = rest.split_at_mut(run.len as usize);
+        for (i, run) in self.runs.iter().enumerate() {
+            let len = cut::end(&self.runs, i, count) - run.first;
+            let (own, others) = rest.split_at_mut(len as usize);
             slices[run.patch as usize].push(own);
             rest = others;
         }
@@ -404,6 +471,13 @@ impl Patches {
         });
         distances.into_iter().fold(Distances::default(), Distances::plus)
     }
+}
+
+/// Local numbers per vertex that patches may have which are cut by positions, twice as wide halos as those of
+/// squares of so many vertices; with more, the positions are not those of a surface.
+fn copies_near(size: usize, reach: u32) -> f64 {
+    let side = 1.0 + 4.0 * f64::from(reach + 1) / libm::sqrt(size as f64);
+    (side * side).max(3.0)
 }
 
 /// A patch and where its results go.

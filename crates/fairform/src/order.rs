@@ -51,10 +51,7 @@ const BITS: u32 = 10;
 /// The vertices along Morton's curve through their positions: what lies near in space lies near in
 /// the order. Those in one cell keep their order. Positions that are not finite come first.
 fn by_position(positions: &[Vec3]) -> Vec<u32> {
-    let corners = par::blocks(positions.len(), |range| {
-        Bounds::of(positions[range].iter().copied().filter(|p| p.is_finite()))
-    });
-    let bounds = Bounds::of(corners.into_iter().flat_map(|b| [b.min, b.max]));
+    let bounds = bounds(positions);
     let side = bounds.longest_side();
     let scale = if side > 0.0 { f64::from((1_u32 << BITS) - 1) / side } else { 0.0 };
     let code = |p: Vec3| {
@@ -70,6 +67,14 @@ fn by_position(positions: &[Vec3]) -> Vec<u32> {
     });
     par::in_parts(cells.parts_mut(), |(_, cells)| cells.sort_unstable());
     par::collect(positions.len(), |i| cells.items[i] as u32)
+}
+
+/// The smallest box around the positions that are finite, or around the origin as well if a block has none.
+pub(crate) fn bounds(positions: &[Vec3]) -> Bounds {
+    let corners = par::blocks(positions.len(), |range| {
+        Bounds::of(positions[range].iter().copied().filter(|p| p.is_finite()))
+    });
+    Bounds::of(corners.into_iter().flat_map(|b| [b.min, b.max]))
 }
 
 /// The lowest bits of a number, two zeros between each.

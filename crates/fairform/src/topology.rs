@@ -188,18 +188,21 @@ impl Topology {
 
     /// The vertex that a half-edge starts from.
     #[must_use]
+    #[inline]
     pub fn origin(&self, h: HalfedgeId) -> VertexId {
         VertexId(self.origin[h.index()])
     }
 
     /// The vertex that a half-edge runs to.
     #[must_use]
+    #[inline]
     pub fn target(&self, h: HalfedgeId) -> VertexId {
         self.origin(self.next(h))
     }
 
     /// The half-edge in the opposite direction, in the face across; `None` on the boundary.
     #[must_use]
+    #[inline]
     pub fn twin(&self, h: HalfedgeId) -> Option<HalfedgeId> {
         match self.twin[h.index()] {
             NONE => None,
@@ -209,18 +212,21 @@ impl Topology {
 
     /// The edge of a half-edge.
     #[must_use]
+    #[inline]
     pub fn edge(&self, h: HalfedgeId) -> EdgeId {
         EdgeId(self.edge[h.index()])
     }
 
     /// The first half-edge of an edge; it has no twin exactly if the edge is on the boundary.
     #[must_use]
+    #[inline]
     pub fn edge_halfedge(&self, e: EdgeId) -> HalfedgeId {
         HalfedgeId(self.edge_halfedge[e.index()])
     }
 
     /// The face that a half-edge belongs to.
     #[must_use]
+    #[inline]
     pub fn face(&self, h: HalfedgeId) -> FaceId {
         match &self.polygons {
             Polygons::Uniform { size: 3 } => FaceId(h.0 / 3),
@@ -231,6 +237,7 @@ impl Topology {
 
     /// The next half-edge around the face.
     #[must_use]
+    #[inline]
     pub fn next(&self, h: HalfedgeId) -> HalfedgeId {
         match &self.polygons {
             // A constant divisor is several times faster, and triangles are the common case.
@@ -247,6 +254,7 @@ impl Topology {
 
     /// The previous half-edge around the face.
     #[must_use]
+    #[inline]
     pub fn prev(&self, h: HalfedgeId) -> HalfedgeId {
         match &self.polygons {
             Polygons::Uniform { size: 3 } => {
@@ -263,6 +271,7 @@ impl Topology {
     /// A half-edge from `v`: on the boundary the clockwise-most one, which has no twin, otherwise
     /// the first one. `None` at an isolated vertex.
     #[must_use]
+    #[inline]
     pub fn outgoing(&self, v: VertexId) -> Option<HalfedgeId> {
         match self.outgoing[v.index()] {
             NONE => None,
@@ -272,6 +281,7 @@ impl Topology {
 
     /// The half-edges from `v`, counter-clockwise, beginning with [`outgoing`](Self::outgoing).
     #[must_use]
+    #[inline]
     pub fn fan(&self, v: VertexId) -> Fan<'_> {
         Fan { topology: self, next: self.outgoing[v.index()], left: self.fan[v.index()] }
     }
@@ -280,24 +290,28 @@ impl Topology {
     /// between `q_i` and `q_{i+1}`. At a boundary vertex the first and the last are its
     /// neighbours on the boundary.
     #[must_use]
+    #[inline]
     pub fn ring(&self, v: VertexId) -> Ring<'_> {
         Ring { fan: self.fan(v), last: NONE }
     }
 
     /// Number of faces at `v`.
     #[must_use]
+    #[inline]
     pub fn fan_size(&self, v: VertexId) -> u32 {
         self.fan[v.index()]
     }
 
     /// Number of edges at `v`.
     #[must_use]
+    #[inline]
     pub fn valence(&self, v: VertexId) -> u32 {
         self.fan[v.index()] + u32::from(self.is_boundary(v))
     }
 
     /// Whether `v` lies on the boundary. An isolated vertex does not.
     #[must_use]
+    #[inline]
     pub fn is_boundary(&self, v: VertexId) -> bool {
         match self.outgoing[v.index()] {
             NONE => false,
@@ -307,6 +321,7 @@ impl Topology {
 
     /// Whether `v` belongs to no face.
     #[must_use]
+    #[inline]
     pub fn is_isolated(&self, v: VertexId) -> bool {
         self.outgoing[v.index()] == NONE
     }

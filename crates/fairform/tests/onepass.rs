@@ -116,20 +116,27 @@ fn every_mesh_is_met_with_every_scheme() {
 /// On any number of threads, with any size of the patches.
 fn assert_same_bits(mesh: &Mesh, rules: &Rules, sizes: &[usize], name: &str) {
     for (level, steps) in [(Level::Finer, 6), (Level::Control, 9)] {
-        let run = |threads: usize, patch_size| {
+        let run = |threads: usize, patch_size, is_near: bool| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
                 let options = Options { steps: Some(steps), patch_size, level };
-                let prepared = OnePass::new(mesh.topology(), rules, &options).unwrap();
+                let topology = mesh.topology();
+                let prepared = match is_near {
+                    true => OnePass::near(topology, rules, &options, mesh.positions()).unwrap(),
+                    false => OnePass::new(topology, rules, &options).unwrap(),
+                };
                 assert_eq!(prepared.is_patched(), !rules.scheme.is_interpolating());
                 let (values, summary) = prepared.fit(mesh.positions()).unwrap();
                 (values, summary.largest)
             })
         };
-        let expected = run(1, usize::MAX);
+        let expected = run(1, usize::MAX, false);
         for &size in sizes {
             for threads in [1, 2, 3] {
-                assert!(run(threads, size) == expected, "{name} {} {size}", rules.scheme);
+                for is_near in [false, true] {
+                    let found = run(threads, size, is_near);
+                    assert!(found == expected, "{name} {} {size} {is_near}", rules.scheme);
+                }
             }
         }
     }
@@ -237,4 +244,61 @@ fn size_and_place_do_not_matter() {
     let mut one = mesh.positions().to_vec();
     one[3].y = f64::MAX;
     assert!(matches!(prepared.fit(&one), Err(fairform::Error::Overflow { .. })));
+}
+
+/// Where positions tell nothing of who is whose neighbour, they are not used.
+#[test]
+fn patches_are_cut_by_any_positions() {
+    let mesh = shapes::torus(60, 50);
+    let options = Options { patch_size: 300, ..Options::default() };
+    let prepared = OnePass::new(mesh.topology(), &Rules::LOOP, &options).unwrap();
+    let (expected, copies) = (prepared.fit(mesh.positions()).unwrap().0, prepared.patch_bytes().1);
+    let one_place = vec![Vec3::ZERO; 3000];
+    let scattered: Vec<Vec3> = (0..3000_usize)
+        .map(|i| Vec3::new((i * 7919 % 3001) as f64, (i * 104_729 % 2999) as f64, 0.0))
+        .collect();
+    let mut broken = mesh.positions().to_vec();
+    broken[7] = Vec3::splat(f64::NAN);
+    broken[8].x = f64::INFINITY;
+    let places = [mesh.positions(), &one_place, &scattered, &broken];
+    for (i, positions) in places.into_iter().enumerate() {
+        let near = OnePass::near(mesh.topology(), &Rules::LOOP, &options, positions).unwrap();
+        assert!(near.fit(mesh.positions()).unwrap().0 == expected, "{i}");
+        assert!(near.patch_bytes().1 < 2.0 * copies, "{i}: {}", near.patch_bytes().1);
+    }
+}
+
+/// A large mesh through the front door, which takes one pass, against sweeps.
+#[test]
+fn large_meshes_are_fitted_in_one_pass() {
+    use fairform::interpolate::{ExactFit, Method, Options, fit_mesh};
+    let plain = shapes::torus(160, 130);
+    let noisy = |(i, &p): (usize, &Vec3)| (1.0 + 0.002 * libm::sin(i as f64)) * p;
+    let mesh = plain.with_positions(plain.positions().iter().enumerate().map(noisy).collect());
+    let mut go_on = |_, _| ControlFlow::Continue(());
+    let options = Options { exact: true, ..Options::default() };
+    let fit = fit_mesh(&mesh, &Rules::LOOP, &options, &mut go_on).unwrap();
+    assert_eq!((fit.level, fit.report.stages[0].name.name()), (1, "whole"));
+    let surface =
+        limit::limit_points(fit.control.topology(), fit.control.positions(), &fit.rules).unwrap();
+    let unit = mesh.bounds().diagonal();
+    let largest = mesh.positions().iter().zip(&surface).map(|(a, b)| (*a - *b).length());
+    let largest = largest.fold(0.0, f64::max) / unit;
+    assert!(largest <= 1e-12 && fit.report.max <= 1e-12, "{largest:e} {:e}", fit.report.max);
+    // Six updates of the same recurrence.
+    let chebyshev = Options { method: Method::Auto, iterations: 6, tolerance: None, ..options };
+    let pushback = PushBack::new(mesh.topology(), &Rules::LOOP).unwrap();
+    let interpolator = Interpolator::new(mesh.topology(), &Rules::LOOP).unwrap();
+    let control = interpolator.fit(mesh.positions(), &chebyshev, &mut go_on).unwrap().0;
+    let mut swept = pushback.step().apply(&control);
+    pushback.correct(mesh.positions(), &mut swept);
+    assert_near(fit.control.positions(), &swept, 1e-6 * unit, "sweeps");
+    // Prepared once, for many targets.
+    let topology = mesh.topology();
+    let mut exact = ExactFit::near(topology, &Rules::LOOP, mesh.positions()).unwrap();
+    for targets in [mesh.positions(), plain.positions(), mesh.positions()] {
+        let (finer, report) = exact.fit(targets, &options, &mut go_on).unwrap();
+        assert!(report.max <= 1e-12);
+        assert_eq!(finer == fit.control.positions(), targets == mesh.positions());
+    }
 }

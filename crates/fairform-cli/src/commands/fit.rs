@@ -62,8 +62,6 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
     progress.say("preparing");
     let at = |e| target.failure(&source, &e);
     let topology = target.mesh.topology().clone();
-    let interpolator =
-        Interpolator::near(&topology, &target.rules, target.mesh.positions()).map_err(at)?;
     clock.lap("prepare");
     let options = options(args);
     let mut observe = |stage: StageName, step: Step| {
@@ -75,7 +73,7 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
         ControlFlow::Continue(())
     };
     let Fitted { control, level, report, singular } =
-        fitted(&target, &interpolator, &options, &mut observe, &progress).map_err(at)?;
+        fitted(&target, &options, &mut observe, &progress).map_err(at)?;
     clock.lap("solve");
 
     let levels = args.levels.saturating_sub(level);
@@ -174,20 +172,19 @@ pub(crate) struct Fitted {
 /// coordinates.
 pub(crate) fn fitted(
     target: &Surface,
-    interpolator: &Interpolator<'_>,
     options: &Options,
     observer: &mut Observer<'_>,
     progress: &Progress,
 ) -> Result<Fitted, fairform::Error> {
-    let fit = fit(target, interpolator, options, observer)?;
+    let fit = fit(target, options, observer)?;
     let (level, report, singular) = (fit.level, fit.report.clone(), fit.singular.len());
     let control = if level == 0 {
         let mut control = target.clone();
         control.mesh = fit.control;
-        control.fit_fields(interpolator, options)?;
+        control.fit_fields(options)?;
         control
     } else {
-        target.pushed_back(fit, interpolator, options, progress)?
+        target.pushed_back(fit, options, progress)?
     };
     Ok(Fitted { control, level, report, singular })
 }
@@ -195,13 +192,13 @@ pub(crate) fn fitted(
 /// Solves, and pushes back where that is asked for or nothing else interpolates.
 fn fit(
     target: &Surface,
-    interpolator: &Interpolator<'_>,
     options: &Options,
     observer: &mut Observer<'_>,
 ) -> Result<interpolate::Fit, fairform::Error> {
     let (mesh, rules) = (&target.mesh, &target.rules);
     if options.tolerance.is_none() && !options.exact && options.fair.is_none() {
         // A number of updates is asked for, so these are what is to be seen.
+        let interpolator = Interpolator::near(mesh.topology(), rules, mesh.positions())?;
         let (control, report) = interpolator.fit(mesh.positions(), options, observer)?;
         let control = mesh.with_positions(control);
         let rules = rules.clone();

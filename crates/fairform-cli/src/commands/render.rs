@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::ExitCode;
 
-use fairform::interpolate::{self, Interpolator};
+use fairform::interpolate;
 use fairform::{Scheme, fairness};
 use fairform_io::MeshData;
 use fairform_render::{
@@ -102,15 +102,11 @@ fn surface_of(
     let at = |e| surface.failure(source, &e);
     let progress = console.progress();
     let (control, levels) = if args.fit {
-        let topology = surface.mesh.topology();
-        let interpolator =
-            Interpolator::near(topology, &surface.rules, surface.mesh.positions()).map_err(at)?;
         let options =
             interpolate::Options { exact: args.exact, fair: args.fair, ..Default::default() };
         progress.say("fitting");
         let mut go_on = |_, _| ControlFlow::Continue(());
-        let fitted =
-            fitted(&surface, &interpolator, &options, &mut go_on, &progress).map_err(at)?;
+        let fitted = fitted(&surface, &options, &mut go_on, &progress).map_err(at)?;
         if !fitted.report.is_converged() {
             let error = fitted.report.max;
             console.note(format!(

@@ -58,6 +58,9 @@ pub(crate) enum What {
     ControlFit,
     /// Fitting to the usual tolerance, prepared already.
     Fit(Method),
+    /// From a list of faces and their vertices: topology, preparation and a fit to the usual tolerance, or an
+    /// exact one in one pass.
+    FromArrays(Option<Method>),
     /// So many updates: the difference of two counts has no set-up in it.
     Updates(Method, u32),
 }
@@ -78,6 +81,12 @@ pub(crate) struct Bytes {
     pub(crate) new: f64,
 }
 
+impl Bytes {
+    fn plus(self, other: Self) -> Self {
+        Self { moved: self.moved + other.moved, new: self.new + other.new }
+    }
+}
+
 /// All lines for a mesh, not measured yet.
 pub(crate) fn all(subject: &Subject) -> Vec<Row> {
     let steps = [
@@ -94,11 +103,16 @@ pub(crate) fn all(subject: &Subject) -> Vec<Row> {
     let updates = UPDATES.into_iter().flat_map(|m| COUNTS.map(|count| What::Updates(m, count)));
     // The order of memory is the same to all methods, and the worst one takes long.
     let methods = if subject.name == "shuffled" { &Method::ALL[..1] } else { &Method::ALL };
-    let fits = methods.iter().copied().map(What::Fit);
+    // Factors of large meshes do not fit into memory.
+    let is_small = |method: &Method| method.name() != "direct" || subject.target.len() < 200_000;
+    let fits = methods.iter().copied().filter(is_small).map(What::Fit);
+    let compared = [Method::Plain, Method::ConjugateGradients, Method::Auto].map(Some);
+    let from_arrays = [None].into_iter().chain(compared).map(What::FromArrays);
     steps
         .into_iter()
         .chain(updates)
         .chain(fits)
+        .chain(from_arrays)
         .map(|what| Row { what, samples: Samples::default(), updates: 0 })
         .collect()
 }
@@ -109,7 +123,7 @@ pub(crate) fn measure(subject: &mut Subject, rows: &mut [Row]) {
     let prepare = || Interpolator::new(topology, &Rules::LOOP).expect("triangles");
     let prepared = prepare();
     let cut = |options: &onepass::Options| {
-        OnePass::new(topology, &Rules::LOOP, options).expect("triangles")
+        OnePass::near(topology, &Rules::LOOP, options, points).expect("triangles")
     };
     let exact = onepass::Options::default();
     let control = onepass::Options { steps: Some(CONTROL_STEPS), level: Level::Control, ..exact };
@@ -158,6 +172,26 @@ pub(crate) fn measure(subject: &mut Subject, rows: &mut [Row]) {
                 assert!(report.is_converged(), "{method} converges");
                 *updates = report.stages[0].solve.last().updates;
             }
+            What::FromArrays(None) => {
+                let target = &subject.target;
+                samples.time(|| {
+                    let topology = Topology::from_faces(points.len(), &subject.faces);
+                    let topology = topology.expect("the same mesh");
+                    let pass = OnePass::near(&topology, &Rules::LOOP, &exact, target);
+                    pass.expect("triangles").fit(target).expect("ordinary coordinates")
+                });
+            }
+            What::FromArrays(Some(method)) => {
+                let (target, options) = (&subject.target, Options { method, ..Options::default() });
+                let report = samples.time(|| {
+                    let topology = Topology::from_faces(points.len(), &subject.faces);
+                    let topology = topology.expect("the same mesh");
+                    let prepared = Interpolator::near(&topology, &Rules::LOOP, target);
+                    fit(&prepared.expect("triangles"), target, &options)
+                });
+                assert!(report.is_converged(), "{method} converges");
+                *updates = report.stages[0].solve.last().updates;
+            }
             What::Updates(method, iterations) => {
                 let options = Options { method, iterations, tolerance: None, ..Options::default() };
                 if points.len() < 1_000_000 {
@@ -201,6 +235,14 @@ impl What {
                 let all = f64::from(updates) * update_bytes(method) + residual + check.moved;
                 bytes(all, 3.0 * POINT + check.new)
             }
+            Self::FromArrays(None) => Self::Topology
+                .bytes(0)
+                .plus(Self::PreparePass.bytes(0))
+                .plus(Self::ExactFit { is_new: true }.bytes(0)),
+            Self::FromArrays(Some(method)) => Self::Topology
+                .bytes(0)
+                .plus(Self::Prepare.bytes(0))
+                .plus(Self::Fit(method).bytes(updates)),
             Self::Updates(method, count) => bytes(f64::from(count) * update_bytes(method), 0.0),
         }
     }

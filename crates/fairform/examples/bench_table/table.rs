@@ -29,7 +29,8 @@ took than that takes: the former at the speed of the triad, the latter at that o
 memory, which is slow since the system has to find its pages. Small meshes live in the caches and
 can beat it.
 
-A fit goes to a largest error of 1e-6 of the diagonal, on a topology that is prepared; the vertices
+A fit goes to a largest error of 1e-6 of the diagonal, on a topology that is prepared, or *from
+arrays*: building the topology and preparing it are counted as well. The vertices
 lie off the smooth shape by up to a tenth of an edge in each coordinate. An update is timed as the
 difference of runs with different counts, so that nothing else is in it; `auto`, `plain`, `weighted`
 and `chebyshev` make the same update with different numbers.
@@ -99,7 +100,7 @@ impl Line {
 fn lines(mesh: &Measured) -> Vec<Line> {
     let (steps, fits): (Vec<usize>, Vec<usize>) = (0..mesh.rows[0].len())
         .filter(|&i| !matches!(mesh.rows[0][i].what, What::Updates(..)))
-        .partition(|&i| !matches!(mesh.rows[0][i].what, What::Fit(_)));
+        .partition(|&i| !matches!(mesh.rows[0][i].what, What::Fit(_) | What::FromArrays(_)));
     let updates = UPDATES.map(|method| update_line(mesh, method));
     let step = |i: usize| line(mesh, i);
     steps.into_iter().map(step).chain(updates).chain(fits.into_iter().map(step)).collect()
@@ -121,6 +122,12 @@ fn line(mesh: &Measured, i: usize) -> Line {
             ("exact fit, one pass, output reused".into(), mesh.vertex_count, target)
         }
         What::ControlFit => ("level 0, one pass, output reused".into(), mesh.vertex_count, None),
+        What::FromArrays(None) => {
+            ("exact fit, one pass, from arrays".into(), mesh.vertex_count, None)
+        }
+        What::FromArrays(Some(method)) => {
+            (format!("fit, {method}, from arrays"), mesh.vertex_count, None)
+        }
         What::Fit(method) => (format!("fit, {method}, {updates} updates"), mesh.vertex_count, None),
         What::Updates(..) => unreachable!("updates are taken together"),
     };

@@ -11,7 +11,7 @@ use crate::ids::VertexId;
 use crate::onepass::{self, OnePass};
 use crate::pushback::{PushBack, is_not_definite, singular_components};
 use crate::solve::{Outcome, Report, Step, Stop};
-use crate::{Mesh, Rules, Vec3};
+use crate::{Mesh, Rules, Topology, Vec3};
 
 /// Updates before a push-back. What they leave over moves the surface between the vertices by less
 /// than one can see: its curvature energy is within a percent of that of the converged surface.
@@ -72,10 +72,13 @@ pub fn fit_mesh(
     observer: &mut Observer<'_>,
 ) -> Result<Fit, Error> {
     let topology = target.topology();
-    let interpolator = Interpolator::near(topology, rules, target.positions())?;
+    let unprepared = Interpolator::unprepared(topology, rules)?;
     let singular = singular_components(topology, rules);
     let is_hopeless = is_not_definite(topology, rules);
+    let mut interpolator = None;
     if !is_hopeless && !options.exact && options.fair.is_none() {
+        let interpolator =
+            interpolator.insert(Interpolator::near(topology, rules, target.positions())?);
         match interpolator.fit(target.positions(), options, observer) {
             Ok((control, report)) if !is_stuck(&report) => {
                 let control = target.with_positions(control);
@@ -87,9 +90,10 @@ pub fn fit_mesh(
         }
     }
     let pushback = PushBack::new(topology, rules)?;
-    let (control, report) =
-        interpolator.fit_exactly(&pushback, target.positions(), options, observer)?;
-    let step = pushback.into_step();
+    let positions = Some(target.positions());
+    let mut exact = ExactFit { unprepared, pushback, positions, interpolator, one_pass: None };
+    let (control, report) = exact.fit(target.positions(), options, observer)?;
+    let step = exact.pushback.into_step();
     let control = Mesh::from_parts(Arc::new(step.topology), control);
     Ok(Fit { control, rules: step.next, level: 1, report, singular })
 }
@@ -111,9 +115,115 @@ struct Passed {
     stages: Vec<StageReport>,
 }
 
-impl Interpolator<'_> {
+/// A topology made ready for fits one level down: as many sets of values per vertex as one likes,
+/// positions, colours, frames of an animation. What a fit needs is prepared when it is first asked for, and
+/// kept.
+///
+/// ```
+/// use core::ops::ControlFlow;
+/// use fairform::{Rules, interpolate, shapes};
+/// let target = shapes::torus(20, 30);
+/// let mut exact = interpolate::ExactFit::near(target.topology(), &Rules::LOOP, target.positions())?;
+/// for frame in 0..3 {
+///     let points: Vec<_> = target.positions().iter().map(|&p| f64::from(1 + frame) * p).collect();
+///     let mut go_on = |_, _| ControlFlow::Continue(());
+///     let (finer, report) = exact.fit(&points, &interpolate::Options::default(), &mut go_on)?;
+///     assert_eq!(finer.len(), exact.pushback().step().topology.vertex_count());
+///     assert!(report.max < 1e-13);
+/// }
+/// # Ok::<(), fairform::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct ExactFit<'t> {
+    unprepared: Interpolator<'t>,
+    pushback: PushBack<'t>,
+    positions: Option<&'t [Vec3]>,
+    interpolator: Option<Interpolator<'t>>,
+    one_pass: Option<Prepared<'t>>,
+}
+
+/// Patches for some number of steps; none where they do not pay.
+#[derive(Clone, Debug)]
+struct Prepared<'t> {
+    steps: u32,
+    one_pass: Option<OnePass<'t>>,
+}
+
+impl<'t> ExactFit<'t> {
+    /// Refines a topology once.
+    ///
+    /// # Errors
+    /// As [`Interpolator::new`] and [`PushBack::new`].
+    pub fn new(topology: &'t Topology, rules: &'t Rules) -> Result<Self, Error> {
+        let unprepared = Interpolator::unprepared(topology, rules)?;
+        let pushback = PushBack::new(topology, rules)?;
+        Ok(Self { unprepared, pushback, positions: None, interpolator: None, one_pass: None })
+    }
+
+    /// As [`new`](Self::new), prepared as [`Interpolator::near`] and [`OnePass::near`] are.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    ///
+    /// # Panics
+    /// If there is not one position per vertex.
+    pub fn near(
+        topology: &'t Topology,
+        rules: &'t Rules,
+        positions: &'t [Vec3],
+    ) -> Result<Self, Error> {
+        assert_eq!(positions.len(), topology.vertex_count(), "one position per vertex");
+        Ok(Self { positions: Some(positions), ..Self::new(topology, rules)? })
+    }
+
+    /// The push-back, with the refinement step.
+    #[must_use]
+    pub fn pushback(&self) -> &PushBack<'t> {
+        &self.pushback
+    }
+
+    /// The values on the mesh refined once whose limit values at the vertices are `target` up to rounding,
+    /// see [`Interpolator::fit_exactly`].
+    ///
+    /// # Errors
+    /// As [`Interpolator::fit`].
+    ///
+    /// # Panics
+    /// As [`Interpolator::fit`].
+    pub fn fit(
+        &mut self,
+        target: &[Vec3],
+        options: &Options,
+        observer: &mut Observer<'_>,
+    ) -> Result<(Vec<Vec3>, FitReport), Error> {
+        let of = &self.unprepared;
+        let scaled = of.scaled(target, options)?;
+        let passed = match of.is_for_one_pass(options) {
+            true => of.pass(&scaled, options, self.positions, &mut self.one_pass, observer)?,
+            false => None,
+        };
+        let passed = if let Some(passed) = passed {
+            passed
+        } else {
+            let interpolator = match self.interpolator.take() {
+                Some(interpolator) => interpolator,
+                None => Interpolator::prepare(of.topology, of.rules, self.positions)?,
+            };
+            self.interpolator.insert(interpolator).sweep(
+                &scaled,
+                &self.pushback,
+                options,
+                observer,
+            )?
+        };
+        of.finish(&scaled, passed, &self.pushback, options, observer)
+    }
+}
+
+impl<'t> Interpolator<'t> {
     /// The values on the mesh refined once, by `pushback` of the same topology and rules, whose limit
-    /// values at the vertices are `target` up to rounding.
+    /// values at the vertices are `target` up to rounding. [`ExactFit`] keeps what it prepares for many of
+    /// them.
     ///
     /// The solve before the push-back makes six updates of Chebyshev's recurrence, after which nobody
     /// sees a difference; or exactly [`Options::iterations`] if there is no tolerance. On large meshes and
@@ -133,7 +243,43 @@ impl Interpolator<'_> {
         options: &Options,
         observer: &mut Observer<'_>,
     ) -> Result<(Vec<Vec3>, FitReport), Error> {
+        if self.is_for_one_pass(options) {
+            let scaled = self.scaled(target, options)?;
+            if let Some(passed) = self.pass(&scaled, options, None, &mut None, observer)? {
+                return self.finish(&scaled, passed, pushback, options, observer);
+            }
+        }
+        self.sweep_exactly(pushback, target, options, observer)
+    }
+
+    /// [`fit_exactly`](Self::fit_exactly) in sweeps over the whole mesh.
+    pub(crate) fn sweep_exactly(
+        &self,
+        pushback: &PushBack<'_>,
+        target: &[Vec3],
+        options: &Options,
+        observer: &mut Observer<'_>,
+    ) -> Result<(Vec<Vec3>, FitReport), Error> {
         let scaled = self.scaled(target, options)?;
+        let passed = self.sweep(&scaled, pushback, options, observer)?;
+        self.finish(&scaled, passed, pushback, options, observer)
+    }
+
+    fn is_for_one_pass(&self, options: &Options) -> bool {
+        let is_large = self.topology.vertex_count() >= LARGE;
+        let is_wanted =
+            options.method == Method::OnePass || options.method == Method::Auto && is_large;
+        is_wanted && !self.rules.scheme.is_interpolating()
+    }
+
+    /// Solve, refinement and push-back, one after the other.
+    fn sweep(
+        &self,
+        scaled: &Scaled,
+        pushback: &PushBack<'_>,
+        options: &Options,
+        observer: &mut Observer<'_>,
+    ) -> Result<Passed, Error> {
         let is_hopeless = is_not_definite(self.topology, self.rules);
         let few = Stop {
             tolerance: None,
@@ -143,22 +289,21 @@ impl Interpolator<'_> {
             },
             ..scaled.stop
         };
-        let is_large = scaled.target.len() >= LARGE;
-        let in_one_pass =
-            options.method == Method::OnePass || options.method == Method::Auto && is_large;
-        let passed = match in_one_pass && !self.stages.is_empty() {
-            true => self.pass(&scaled, options, is_hopeless, observer)?,
-            false => None,
-        };
-        let Passed { mut finer, pushed_back, stages } = if let Some(passed) = passed {
-            passed
-        } else {
-            let (control, stages) =
-                self.solve_first(&scaled, options, few, is_hopeless, observer)?;
-            let mut finer = pushback.step().apply(&control);
-            let pushed_back = pushback.correct(&scaled.target, &mut finer);
-            Passed { finer, pushed_back, stages }
-        };
+        let (control, stages) = self.solve_first(scaled, options, few, is_hopeless, observer)?;
+        let mut finer = pushback.step().apply(&control);
+        let pushed_back = pushback.correct(&scaled.target, &mut finer);
+        Ok(Passed { finer, pushed_back, stages })
+    }
+
+    /// Fairing and a report.
+    fn finish(
+        &self,
+        scaled: &Scaled,
+        Passed { mut finer, pushed_back, stages }: Passed,
+        pushback: &PushBack<'_>,
+        options: &Options,
+        observer: &mut Observer<'_>,
+    ) -> Result<(Vec<Vec3>, FitReport), Error> {
         let mut fairing = None;
         if let Some(weight) = options.fair {
             let unit = scaled.stop.unit;
@@ -173,7 +318,7 @@ impl Interpolator<'_> {
             // Fairing keeps the limit points up to rounding; this rounds once, not in every update.
             pushback.correct(&scaled.target, &mut finer);
         }
-        let mut report = self.report(&scaled, &pushback.limit_points(&finer), stages);
+        let mut report = self.report(scaled, &pushback.limit_points(&finer), stages);
         report.pushed_back = Some(pushed_back / scaled.stop.unit);
         report.fairing = fairing;
         Ok((scaled.back(&finer), report))
@@ -210,21 +355,29 @@ impl Interpolator<'_> {
         &self,
         scaled: &Scaled,
         options: &Options,
-        is_hopeless: bool,
+        positions: Option<&[Vec3]>,
+        prepared: &mut Option<Prepared<'t>>,
         observer: &mut Observer<'_>,
     ) -> Result<Option<Passed>, Error> {
+        let is_hopeless = is_not_definite(self.topology, self.rules);
         let unit = scaled.stop.unit;
         let given = scaled.start.as_ref().unwrap_or(&scaled.target);
         let few = onepass::usual_steps(self.rules.scheme);
         let wanted = if options.tolerance.is_some() { few } else { MOST_STEPS };
         let mut steps = options.iterations.min(if is_hopeless { few } else { wanted });
         loop {
-            let options = onepass::Options { steps: Some(steps), ..onepass::Options::default() };
-            let prepared = OnePass::new(self.topology, self.rules, &options)?;
-            if !prepared.is_patched() {
-                return Ok(None);
-            }
-            let (finer, onepass::Summary { largest, mean }) = prepared.fit(given)?;
+            let ready = match prepared.take() {
+                Some(ready) if ready.steps == steps => ready,
+                _ => {
+                    let how =
+                        onepass::Options { steps: Some(steps), ..onepass::Options::default() };
+                    let (topology, rules) = (self.topology, self.rules);
+                    let one_pass = OnePass::patched(topology, rules, &how, positions)?;
+                    Prepared { steps, one_pass }
+                }
+            };
+            let Some(one_pass) = &prepared.insert(ready).one_pass else { return Ok(None) };
+            let (finer, onepass::Summary { largest, mean }) = one_pass.fit(given)?;
             if (largest > ASTRAY * unit || largest.is_nan()) && steps > few {
                 // The iteration diverged; a few updates cannot.
                 steps = few;

@@ -2,8 +2,8 @@
 //! local numbers.
 
 use alloc::vec::Vec;
+use core::ops::Range;
 
-use super::cut::Rings;
 use super::special::Special;
 use crate::Topology;
 use crate::ids::{EdgeId, FaceId, HalfedgeId, NONE, VertexId};
@@ -66,7 +66,6 @@ pub(super) struct Maker<'a, 't> {
     pub(super) topology: &'t Topology,
     pub(super) rules: &'t Rules,
     pub(super) special: &'a Special<'t>,
-    pub(super) rings: &'a Rings,
     /// Rings around the patch that have rows.
     pub(super) reach: u32,
     /// Whether finer values are wanted.
@@ -77,12 +76,30 @@ pub(super) struct Maker<'a, 't> {
 pub(super) struct Numbers {
     vertex: Vec<u32>,
     face: Vec<u32>,
+    /// Memory for the patch that is being made.
+    patch: Patch,
+    rings: Vec<u32>,
+    walked: Vec<(u32, u32)>,
+    row: Row,
 }
+
+/// A row that is written out next.
+type Row = Vec<(u32, f64)>;
+
+/// Vertices whose rings are walked at once.
+const WALKED: usize = 1024;
 
 impl Numbers {
     pub(super) fn new(topology: &Topology, scheme: Scheme) -> Self {
         let faces = if scheme == Scheme::Loop { 0 } else { topology.face_count() };
-        Self { vertex: alloc::vec![NONE; topology.vertex_count()], face: alloc::vec![NONE; faces] }
+        Self {
+            vertex: alloc::vec![NONE; topology.vertex_count()],
+            face: alloc::vec![NONE; faces],
+            patch: Patch::default(),
+            rings: Vec::new(),
+            walked: Vec::new(),
+            row: Row::new(),
+        }
     }
 }
 
@@ -91,12 +108,16 @@ impl Maker<'_, '_> {
     /// numbers than fit.
     pub(super) fn patch(
         &self,
-        vertices: &[u32],
-        points: &[u32],
+        vertices: &[(u32, u32)],
+        points: &[(u32, u32)],
         numbers: &mut Numbers,
     ) -> Option<Patch> {
-        let mut patch = Patch { vertices: vertices.to_vec(), ..Patch::default() };
-        for (i, &v) in vertices.iter().enumerate() {
+        let mut patch = core::mem::take(&mut numbers.patch);
+        patch.clear();
+        for &(from, to) in vertices {
+            patch.vertices.extend(from..to);
+        }
+        for (i, &v) in patch.vertices.iter().enumerate() {
             numbers.vertex[v as usize] = i as u32;
         }
         let mut faces = Vec::new();
@@ -106,34 +127,30 @@ impl Maker<'_, '_> {
         }
         patch.vertices.iter().for_each(|&v| numbers.vertex[v as usize] = NONE);
         faces.iter().for_each(|&f: &u32| numbers.face[f as usize] = NONE);
-        is_made.then(|| {
-            patch.shrink();
-            patch
-        })
+        // As much memory as it takes, and no more.
+        let made = is_made.then(|| patch.clone());
+        numbers.patch = patch;
+        made
     }
 
     /// Halo and rows.
     fn grow(&self, patch: &mut Patch, faces: &mut Vec<u32>, numbers: &mut Numbers) -> Option<()> {
         let mut begin = 0;
-        let mut entries = Vec::new();
         patch.ends.push(patch.vertices.len() as u32);
         for _ in 0..=self.reach {
             let end = patch.vertices.len();
-            for i in begin..end {
-                let v = VertexId(patch.vertices[i]);
-                match self.rules.scheme {
-                    Scheme::Loop => self.loop_vertex(v, patch, numbers),
-                    _ => self.polygon_vertex(v, patch, faces, numbers),
+            if self.rules.scheme == Scheme::Loop {
+                for first in (begin..end).step_by(WALKED) {
+                    self.loop_vertices(first..end.min(first + WALKED), patch, numbers)?;
                 }
-                if patch.vertices.len() >= WRITTEN as usize || faces.len() >= WRITTEN as usize {
-                    return None;
-                }
-                if patch.valence.len() == i {
-                    self.special.limit(v, &mut entries);
-                    patch.limit.push(&entries, 0.0, numbers);
-                    patch.valence.push(SPECIAL);
-                    if self.rules.scheme == Scheme::DooSabin {
-                        patch.centre.push(0.0);
+            } else {
+                for i in begin..end {
+                    self.polygon_vertex(VertexId(patch.vertices[i]), patch, faces, numbers);
+                    if patch.valence.len() == i {
+                        self.special_vertex(VertexId(patch.vertices[i]), patch, numbers);
+                    }
+                    if patch.vertices.len().max(faces.len()) >= WRITTEN as usize {
+                        return None;
                     }
                 }
             }
@@ -144,18 +161,52 @@ impl Maker<'_, '_> {
         Some(())
     }
 
-    fn loop_vertex(&self, v: VertexId, patch: &mut Patch, numbers: &mut Numbers) {
-        let ring = self.rings.of(v.0);
-        let is_smooth = self.special.is_smooth_vertex(v);
-        for &q in ring {
-            let local = patch.vertex(q, numbers);
+    #[cold]
+    fn special_vertex(&self, v: VertexId, patch: &mut Patch, numbers: &mut Numbers) {
+        self.special.limit(v, &mut numbers.row);
+        patch.limit.push(&numbers.row, 0.0, &numbers.vertex);
+        patch.valence.push(SPECIAL);
+        if self.rules.scheme == Scheme::DooSabin {
+            patch.centre.push(0.0);
+        }
+    }
+
+    /// Rows of Loop's scheme, whose vertices come ring by ring.
+    fn loop_vertices(
+        &self,
+        range: Range<usize>,
+        patch: &mut Patch,
+        numbers: &mut Numbers,
+    ) -> Option<()> {
+        let t = self.topology;
+        let mut rings = core::mem::take(&mut numbers.rings);
+        let mut walked = core::mem::take(&mut numbers.walked);
+        walked.clear();
+        walked.extend(patch.vertices[range].iter().map(|&v| (v, t.valence(VertexId(v)))));
+        rings.resize(walked.iter().map(|&(_, valence)| valence as usize).sum(), NONE);
+        t.rings(walked.iter().map(|&(v, _)| VertexId(v)), &mut rings);
+        let mut rest = rings.as_slice();
+        let mut fits = true;
+        for &(v, valence) in &walked {
+            let (ring, others) = rest.split_at(valence as usize);
+            rest = others;
+            let is_smooth = self.special.is_smooth_ring(VertexId(v), valence);
+            let Patch { vertices, ring: local_ring, .. } = patch;
+            let local = ring.iter().map(|&q| local(q, vertices, &mut numbers.vertex) as u16);
             if is_smooth {
-                patch.ring.push(local as u16);
+                local_ring.extend(local);
+                patch.valence.push(valence as u8);
+            } else {
+                local.for_each(drop);
+                self.special_vertex(VertexId(v), patch, numbers);
+            }
+            fits = patch.vertices.len() < WRITTEN as usize;
+            if !fits {
+                break;
             }
         }
-        if is_smooth {
-            patch.valence.push(ring.len() as u8);
-        }
+        (numbers.rings, numbers.walked) = (rings, walked);
+        fits.then_some(())
     }
 
     fn polygon_vertex(
@@ -175,7 +226,7 @@ impl Maker<'_, '_> {
             faces.push(f.0);
             let corners = t.face_vertices(f);
             for q in corners {
-                let local = patch.vertex(q.0, numbers);
+                let local = local(q.0, &mut patch.vertices, &mut numbers.vertex);
                 patch.faces.corner.push(local as u16);
             }
             patch.faces.size.push(corners.len().min(WRITTEN as usize) as u16);
@@ -202,64 +253,70 @@ impl Maker<'_, '_> {
     }
 
     /// The rows of finer values.
-    fn outputs(&self, patch: &mut Patch, points: &[u32], numbers: &Numbers) {
-        let mut entries = Vec::new();
+    fn outputs(&self, patch: &mut Patch, points: &[(u32, u32)], numbers: &mut Numbers) {
         if self.rules.scheme != Scheme::DooSabin {
             for i in 0..patch.ends[0] as usize {
                 if patch.valence[i] == SPECIAL {
-                    let target = self.special.vertex(VertexId(patch.vertices[i]), &mut entries);
-                    patch.made.push(&entries, target, numbers);
+                    let target = self.special.vertex(VertexId(patch.vertices[i]), &mut numbers.row);
+                    patch.made.push(&numbers.row, target, &numbers.vertex);
                 }
             }
         }
-        for &point in points {
+        for &(from, to) in points {
             match self.rules.scheme {
-                Scheme::DooSabin => self.image(patch, point, numbers, &mut entries),
-                _ => self.point(patch, point, numbers, &mut entries),
+                Scheme::Loop => self.loop_edges(from..to, patch, numbers),
+                Scheme::DooSabin => (from..to).for_each(|image| self.image(patch, image, numbers)),
+                _ => (from..to).for_each(|point| self.point(patch, point, numbers)),
             }
         }
     }
 
-    fn point(
-        &self,
-        patch: &mut Patch,
-        point: u32,
-        numbers: &Numbers,
-        entries: &mut Vec<(u32, f64)>,
-    ) {
+    /// Points on edges of triangles, whose half-edges come three by three.
+    fn loop_edges(&self, edges: Range<u32>, patch: &mut Patch, numbers: &mut Numbers) {
         let t = self.topology;
-        let Some(e) = Some(point as usize).filter(|&e| e < t.edge_count()) else {
-            let f = point as usize - t.edge_count();
-            return patch.points.push(numbers.face[f] as u16);
-        };
-        let h = t.edge_halfedge(EdgeId(e as u32));
-        let twin = t.twin(h).filter(|_| self.special.is_smooth_edge(EdgeId(e as u32)));
-        let Some(twin) = twin else {
-            self.special.point(t.vertex_count() + e, entries);
-            patch.made.push(entries, 0.0, numbers);
-            return patch.edges.push([WRITTEN; 4]);
-        };
-        let vertex = |v: VertexId| numbers.vertex[v.index()] as u16;
-        let beyond = |h: HalfedgeId| match self.rules.scheme {
-            Scheme::Loop => vertex(t.origin(t.prev(h))),
-            _ => numbers.face[t.face(h).index()] as u16,
-        };
-        patch.edges.push([vertex(t.origin(h)), vertex(t.target(h)), beyond(h), beyond(twin)]);
+        for e in edges.map(EdgeId) {
+            let h = t.edge_halfedge(e);
+            let Some(twin) = t.twin(h).filter(|_| self.special.is_smooth_edge(e)) else {
+                self.special_point(patch, e, numbers);
+                continue;
+            };
+            let [next, prev] = around_triangle(h);
+            let [_, last] = around_triangle(twin);
+            let local = |h: HalfedgeId| numbers.vertex[t.origin(h).index()] as u16;
+            patch.edges.push([local(h), local(next), local(prev), local(last)]);
+        }
     }
 
-    fn image(
-        &self,
-        patch: &mut Patch,
-        image: u32,
-        numbers: &Numbers,
-        entries: &mut Vec<(u32, f64)>,
-    ) {
+    fn point(&self, patch: &mut Patch, point: u32, numbers: &mut Numbers) {
+        let t = self.topology;
+        if point as usize >= t.edge_count() {
+            let f = point as usize - t.edge_count();
+            return patch.points.push(numbers.face[f] as u16);
+        }
+        let e = EdgeId(point);
+        let h = t.edge_halfedge(e);
+        let Some(twin) = t.twin(h).filter(|_| self.special.is_smooth_edge(e)) else {
+            return self.special_point(patch, e, numbers);
+        };
+        let vertex = |v: VertexId| numbers.vertex[v.index()] as u16;
+        let face = |h: HalfedgeId| numbers.face[t.face(h).index()] as u16;
+        patch.edges.push([vertex(t.origin(h)), vertex(t.target(h)), face(h), face(twin)]);
+    }
+
+    #[cold]
+    fn special_point(&self, patch: &mut Patch, e: EdgeId, numbers: &mut Numbers) {
+        self.special.point(self.topology.vertex_count() + e.index(), &mut numbers.row);
+        patch.made.push(&numbers.row, 0.0, &numbers.vertex);
+        patch.edges.push([WRITTEN; 4]);
+    }
+
+    fn image(&self, patch: &mut Patch, image: u32, numbers: &mut Numbers) {
         let t = self.topology;
         let v = self.special.vertex_of_image(image as usize);
         let local = numbers.vertex[v.index()] as u16;
         if patch.valence[local as usize] == SPECIAL {
-            let target = self.special.image(image as usize, v, entries);
-            patch.made.push(entries, target, numbers);
+            let target = self.special.image(image as usize, v, &mut numbers.row);
+            patch.made.push(&numbers.row, target, &numbers.vertex);
             // The vertex is needed for what is to be met.
             return patch.images.push([local, WRITTEN]);
         }
@@ -268,25 +325,46 @@ impl Maker<'_, '_> {
     }
 }
 
-impl Patch {
-    /// The local number of a vertex, a new one if it has none.
-    fn vertex(&mut self, v: u32, numbers: &mut Numbers) -> u32 {
-        let local = &mut numbers.vertex[v as usize];
-        if *local == NONE {
-            *local = self.vertices.len() as u32;
-            self.vertices.push(v);
-        }
-        *local
-    }
+/// The half-edges after and before one of a triangle.
+#[inline]
+fn around_triangle(h: HalfedgeId) -> [HalfedgeId; 2] {
+    let first = h.0 / 3 * 3;
+    let [next, prev] = match h.0 - first {
+        0 => [first + 1, first + 2],
+        1 => [first + 2, first],
+        _ => [first, first + 1],
+    };
+    [HalfedgeId(next), HalfedgeId(prev)]
+}
 
-    fn shrink(&mut self) {
-        self.vertices.shrink_to_fit();
-        self.valence.shrink_to_fit();
-        self.ring.shrink_to_fit();
-        self.edges.shrink_to_fit();
-        self.images.shrink_to_fit();
-        self.faces.corner.shrink_to_fit();
-        self.faces.size.shrink_to_fit();
+/// The local number of a vertex, a new one if it has none.
+#[inline]
+fn local(v: u32, vertices: &mut Vec<u32>, numbers: &mut [u32]) -> u32 {
+    let local = &mut numbers[v as usize];
+    if *local == NONE {
+        *local = vertices.len() as u32;
+        vertices.push(v);
+    }
+    *local
+}
+
+impl Patch {
+    /// Empty again, with the memory that it has.
+    fn clear(&mut self) {
+        self.vertices.clear();
+        self.ends.clear();
+        self.valence.clear();
+        self.ring.clear();
+        self.centre.clear();
+        self.faces.size.clear();
+        self.faces.corner.clear();
+        self.faces.lambda.clear();
+        self.faces.ends.clear();
+        self.limit.clear();
+        self.made.clear();
+        self.edges.clear();
+        self.points.clear();
+        self.images.clear();
     }
 
     /// Bytes that it takes.
@@ -303,12 +381,18 @@ impl Patch {
 }
 
 impl Written {
-    fn push(&mut self, entries: &[(u32, f64)], target: f64, numbers: &Numbers) {
+    fn clear(&mut self) {
+        self.start.clear();
+        self.entries.clear();
+        self.target.clear();
+    }
+
+    fn push(&mut self, entries: &[(u32, f64)], target: f64, numbers: &[u32]) {
         if self.start.is_empty() {
             self.start.push(0);
         }
         let local = entries.iter().map(|&(q, weight)| {
-            let local = numbers.vertex[q as usize];
+            let local = numbers[q as usize];
             debug_assert!(local != NONE, "rows reach one ring");
             (local as u16, weight)
         });

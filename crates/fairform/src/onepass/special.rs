@@ -51,6 +51,8 @@ pub(super) struct Special<'t> {
     sharp: Sharpness<'t>,
     limit: LimitRows<'t>,
     step: StepRows<'t>,
+    /// Whether shape parameters leave smooth masks as the kernel knows them.
+    has_plain_masks: bool,
 }
 
 impl<'t> Special<'t> {
@@ -63,7 +65,11 @@ impl<'t> Special<'t> {
             Scheme::Butterfly | Scheme::Kobbelt => return None,
         };
         let (sharp, limit) = (rules.sharpness(topology), LimitRows::new(topology, rules));
-        Some(Self { topology, rules, sharp, limit, step })
+        let has_plain_masks = match rules.scheme {
+            Scheme::DooSabin => rules.tension.is_some(),
+            _ => rules.tension.is_none(),
+        };
+        Some(Self { topology, rules, sharp, limit, step, has_plain_masks })
     }
 
     /// How many values there are after the step, besides those of the vertices.
@@ -84,23 +90,28 @@ impl<'t> Special<'t> {
 
     /// Whether the limit mask of a vertex, and what is made of it, are those of the kernel.
     pub(super) fn is_smooth_vertex(&self, v: VertexId) -> bool {
-        let t = self.topology;
-        let n = t.fan_size(v);
-        let is_plain = match self.rules.scheme {
-            Scheme::DooSabin => self.rules.tension.is_some(),
-            _ => self.rules.tension.is_none(),
-        };
-        is_plain
-            && (2..=MOST_NEIGHBOURS).contains(&n)
-            && !t.is_boundary(v)
-            && (self.rules.creases.is_none()
-                || self.sharp.vertex(v) == 0.0
-                    && self.sharp.edges(v).all(|e| self.sharp.edge(e.0) == 0.0))
+        self.is_smooth_ring(v, self.topology.valence(v))
+    }
+
+    /// As [`is_smooth_vertex`](Self::is_smooth_vertex), of a vertex with so many edges.
+    #[inline]
+    pub(super) fn is_smooth_ring(&self, v: VertexId, valence: u32) -> bool {
+        // There are more edges than faces on the boundary.
+        self.has_plain_masks
+            && (2..=MOST_NEIGHBOURS).contains(&valence)
+            && self.topology.fan_size(v) == valence
+            && (self.rules.creases.is_none() || self.is_off_creases(v))
+    }
+
+    fn is_off_creases(&self, v: VertexId) -> bool {
+        self.sharp.vertex(v) == 0.0 && self.sharp.edges(v).all(|e| self.sharp.edge(e.0) == 0.0)
     }
 
     /// Whether the point on an edge is that of the smooth rule.
+    #[inline]
     pub(super) fn is_smooth_edge(&self, e: EdgeId) -> bool {
-        self.rules.tension.is_none() && self.sharp.edge(e) == 0.0
+        self.rules.tension.is_none()
+            && self.rules.creases.as_deref().is_none_or(|c| c.edge(e) == 0.0)
     }
 
     /// The limit point of a vertex, as it is solved for. Support stays as given.
