@@ -108,6 +108,17 @@ pub(crate) fn starts(len: usize, count: impl Fn(usize) -> u32 + Sync) -> Result<
     Ok(starts)
 }
 
+/// Cuts a slice into parts of such lengths, one behind the other.
+pub(crate) fn cut<T>(mut all: &mut [T], lengths: impl Iterator<Item = usize>) -> Vec<&mut [T]> {
+    let mut parts = Vec::new();
+    for length in lengths {
+        let part;
+        (part, all) = all.split_at_mut(length);
+        parts.push(part);
+    }
+    parts
+}
+
 /// How many parts [`in_parts`] is worth cutting into; the results do not depend on it.
 pub(crate) fn part_count() -> usize {
     #[cfg(feature = "parallel")]

@@ -188,8 +188,10 @@ fn check(mesh: &Mesh, rules: &Rules, first: u32, levels: u32, name: &str) -> usi
             let [a, b] = tangents[v].map(Vec3::normalized);
             let sine = a.cross(b).length();
             let off = (normals[i] - expected_normals[v]).length();
-            // The normals of both sides of a crease may nearly cancel.
-            let tolerance = if rules.creases.is_some() { 1e-9 } else { 1e-12 };
+            // The normals of both sides of a crease may nearly cancel; and with each step tangents
+            // become shorter, but what positions are rounded by does not.
+            let steps = f64::from(1_u32 << (2 * levels.saturating_sub(2)));
+            let tolerance = if rules.creases.is_some() { 1e-9 } else { 1e-12 * steps };
             assert!(off * sine <= tolerance, "{name} {points:?} normal {i} is {off:e} off");
         }
         let expected = sorted(topology.to_faces().iter(), |v| v);
@@ -327,7 +329,7 @@ fn golden_values() {
     assert!(names.len() > 15);
     for name in names {
         let fixture = common::golden(&name);
-        let is_plain = ["lambda", "boundary"].iter().all(|key| fixture[*key].is_null());
+        let is_plain = fixture["lambda"].is_null() && fixture["boundary"] != "drop";
         let scheme: Scheme = fixture["scheme"].as_str().unwrap().parse().unwrap();
         let corners = if fixture["corners"] == "sharp" { Corners::Sharp } else { Corners::Smooth };
         let (mesh, rules) = (common::mesh(&fixture["mesh"]), Rules { corners, ..scheme.into() });
@@ -348,7 +350,8 @@ fn golden_values() {
                 }
             }
         }
-        if fixture["limit"].is_null() {
+        // With Doo and Sabin's scheme the vertices are no points of the surface.
+        if fixture["limit"].is_null() || scheme == Scheme::DooSabin {
             continue;
         }
         let fine = Tessellation::new(mesh.topology(), &rules, 3, Points::Limit).unwrap();

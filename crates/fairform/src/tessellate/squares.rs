@@ -13,6 +13,7 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
+use super::cells::{Key, distinct};
 use super::classes::{MOST_CLASSES, MOST_SOURCES, MOST_WEIGHTS, point_rows};
 use super::kernel::Form;
 use super::{BLOCK, Points, Steps};
@@ -34,10 +35,6 @@ pub(super) struct Squares {
     start: Vec<u32>,
     sources: Vec<u32>,
 }
-
-/// The sizes of the faces around a vertex, from its first; a vertex on the boundary has two. Zeros for
-/// faces that are too large.
-type Key = [u8; 4];
 
 /// Whether all vertices become squares.
 pub(super) fn is_ready(topology: &Topology, rules: &Rules) -> bool {
@@ -151,26 +148,28 @@ impl Squares {
         base: &Topology,
         faces: Range<usize>,
         square: &(impl Fn(usize, usize) -> usize + Sync),
-        mut corners: &mut [u32],
-        mut starts: Option<&mut [u32]>,
+        corners: &mut [u32],
+        starts: Option<&mut [u32]>,
     ) {
-        let end = faces.end;
+        let (end, with_starts) = (faces.end, starts.is_some());
         let blocks: Vec<_> = faces.step_by(BLOCK).map(|f| f..(f + BLOCK).min(end)).collect();
         let sizes = par::map_parts(blocks.clone(), |block| self.size(base, block));
         let total: usize = sizes.iter().map(|size| size[1]).sum();
         assert_eq!(corners.len(), total, "room for the corners");
+        let all_starts = par::cut(
+            starts.unwrap_or_default(),
+            sizes.iter().map(|size| if with_starts { size[0] } else { 0 }),
+        );
+        let all_corners = par::cut(corners, sizes.iter().map(|size| size[1]));
         let (mut parts, mut first) = (Vec::with_capacity(blocks.len()), 0);
-        for (block, [face_count, corner_count]) in blocks.into_iter().zip(sizes) {
-            let own;
-            (own, corners) = corners.split_at_mut(corner_count);
-            let own_starts;
-            (own_starts, starts) = starts.map(|s| s.split_at_mut(face_count)).unzip();
-            parts.push((block, own, own_starts, first));
-            first += corner_count;
+        for ((block, corners), starts) in blocks.into_iter().zip(all_corners).zip(all_starts) {
+            let count = corners.len();
+            parts.push((block, corners, starts, first));
+            first += count;
         }
         par::in_parts(parts, |(block, mut corners, starts, first)| {
             let mut squares = Vec::new();
-            let mut starts = starts.into_iter().flatten();
+            let mut starts = starts.iter_mut();
             let mut next = first as u32;
             for f in block {
                 let before = corners.len();
@@ -214,7 +213,7 @@ impl Squares {
             (own, out) = core::mem::take(&mut out).split_at_mut(4);
             own.iter_mut().zip(corners).for_each(|(slot, corner)| *slot = corner as u32);
         };
-        for (i, h) in halfedges().enumerate().filter(|&(_, h)| leads(base, h)) {
+        for (i, _) in halfedges().enumerate().filter(|&(_, h)| leads(base, h)) {
             let [a, turns_a] = squares[i];
             let [b, turns_b] = squares[(i + 1) % squares.len()];
             let here = |t| a + self.turned(turns_a, last, t);
@@ -260,6 +259,8 @@ fn place(base: &Topology, h: HalfedgeId) -> usize {
     base.fan(base.origin(h)).position(|other| other == h).unwrap_or(0)
 }
 
+/// The sizes of the faces around a vertex, from its first; a vertex on the boundary has two. Zeros for
+/// faces that are too large.
 fn key(topology: &Topology, v: VertexId) -> Key {
     let mut key = Key::default();
     for (slot, h) in key.iter_mut().zip(topology.fan(v)) {
@@ -270,23 +271,6 @@ fn key(topology: &Topology, v: VertexId) -> Key {
         }
     }
     key
-}
-
-/// The keys that turn up, in order.
-fn distinct(keys: &[Key]) -> Vec<Key> {
-    let blocks = par::blocks(keys.len(), |block| {
-        let mut found: Vec<Key> = Vec::new();
-        for key in &keys[block] {
-            if let Err(place) = found.binary_search(key) {
-                found.insert(place, *key);
-            }
-        }
-        found
-    });
-    let mut all = blocks.concat();
-    all.sort_unstable();
-    all.dedup();
-    all
 }
 
 /// A vertex, and those of the faces around it.
