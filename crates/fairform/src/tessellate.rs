@@ -42,9 +42,9 @@
 //! - for each of its corners whose first half-edge is in this face, the $`(N-1)^2`$ faces inside that
 //!   square, row by row.
 //!
-//! A mesh that has a vertex inside with two faces takes one step more, until all vertices are such; with
-//! [`Border::Drop`](crate::Border::Drop) on open meshes, and where a face of the base has some eighty corners
-//! or more, all steps are made one by one.
+//! A mesh that has a vertex inside with two faces takes one step more, until all vertices are such. All
+//! steps are made one by one with [`Border::Drop`](crate::Border::Drop) on open meshes, where a face of the
+//! base has some ninety corners or more, and where next to no two vertices have faces alike.
 //!
 //! # The interpolating schemes
 //!
@@ -214,7 +214,8 @@ impl Tessellation {
         self.steps.topology()
     }
 
-    /// Number of kinds of faces, or with Doo and Sabin's scheme of vertices, each with weights of its own.
+    /// Number of kinds of faces, or with Doo and Sabin's scheme of vertices, each with weights
+    /// of its own.
     #[must_use]
     pub fn class_count(&self) -> usize {
         if let Some(squares) = &self.squares {

@@ -125,8 +125,8 @@ struct SpecialPart {
     list: Vec<Neighbourhood>,
 }
 
-/// Fewest faces that are not plain for which it is worth while to look at them in parts.
-const FEW: usize = 256;
+/// How many faces of a mesh can be passed over while the neighbourhood of one is gathered, or a part of that.
+const PASSED_OVER: usize = 256;
 
 impl Special {
     fn new(
@@ -140,8 +140,10 @@ impl Special {
             block.filter(is_special).map(|f| f as u32).collect::<Vec<_>>()
         })
         .concat();
-        // Each part has memory in proportion to the mesh, so there are few.
-        let count = if faces.len() < FEW { 1 } else { 4 * par::part_count() };
+        // Each part fills memory in proportion to the mesh, so they are few, and one where that would
+        // take the longest.
+        let worth = PASSED_OVER * faces.len() / keys.len().max(1);
+        let count = worth.clamp(1, par::part_count());
         let parts = faces.chunks(faces.len().div_ceil(count).max(1)).collect();
         let parts = par::map_parts(parts, |part| SpecialPart::new(topology, task, part));
         let mut all = Self { start: alloc::vec![0], ..Self::default() };

@@ -34,6 +34,8 @@ pub(super) struct Squares {
     /// Where the sources of each vertex begin, and the end.
     start: Vec<u32>,
     sources: Vec<u32>,
+    /// The faces inside a square, row by row, in its points.
+    inside: Vec<u16>,
 }
 
 /// Whether all vertices become squares.
@@ -82,7 +84,13 @@ impl Squares {
         par::fill_rows(&start, &mut sources, &mut nothing, &|v, row: &mut [u32], _| {
             around(topology, VertexId(v as u32), row);
         });
-        Ok(Some(Self { side, forms, class, start, sources }))
+        let mut inside = Vec::with_capacity(4 * (side - 1) * (side - 1));
+        for v in 0..side - 1 {
+            for p in v * side..v * side + side - 1 {
+                inside.extend([p, p + 1, p + 1 + side, p + side].map(|p| p as u16));
+            }
+        }
+        Ok(Some(Self { side, forms, class, start, sources, inside }))
     }
 
     /// Points of a square.
@@ -169,20 +177,21 @@ impl Squares {
         }
         par::in_parts(parts, |(block, mut corners, starts, first)| {
             let mut squares = Vec::new();
-            let mut starts = starts.iter_mut();
-            let mut next = first as u32;
+            let (mut starts, mut next) = (starts, first as u32);
             for f in block {
                 let before = corners.len();
                 let size = base.face_vertices(FaceId(f as u32)).len();
                 corners = self.write_face(base, f, square, &mut squares, corners);
-                let quadrilaterals = (before - corners.len() - size) / 4;
-                let sizes = core::iter::once(size as u32);
-                for size in sizes.chain(core::iter::repeat_n(4, quadrilaterals)) {
-                    if let Some(slot) = starts.next() {
-                        *slot = next;
-                    }
-                    next = next.wrapping_add(size);
+                if !with_starts {
+                    continue;
                 }
+                let count = 1 + (before - corners.len() - size) / 4;
+                let own;
+                (own, starts) = starts.split_at_mut(count);
+                own[0] = next;
+                next += size as u32;
+                own[1..].iter_mut().zip(0..).for_each(|(slot, i)| *slot = next + 4 * i);
+                next += 4 * (count as u32 - 1);
             }
         });
     }
@@ -208,25 +217,23 @@ impl Squares {
         for (slot, &[first, turns]) in own.iter_mut().zip(&*squares) {
             *slot = (first + self.turned(turns, last, last)) as u32;
         }
-        let mut push = |corners: [usize; 4]| {
-            let own;
-            (own, out) = core::mem::take(&mut out).split_at_mut(4);
-            own.iter_mut().zip(corners).for_each(|(slot, corner)| *slot = corner as u32);
-        };
         for (i, _) in halfedges().enumerate().filter(|&(_, h)| leads(base, h)) {
+            let own;
+            (own, out) = out.split_at_mut(4 * last);
             let [a, turns_a] = squares[i];
             let [b, turns_b] = squares[(i + 1) % squares.len()];
-            let here = |t| a + self.turned(turns_a, last, t);
+            let here = |t| (a + self.turned(turns_a, last, t)) as u32;
             // Seen from the other end, the points of its side come in the other direction.
-            let there = |t| b + self.turned((turns_b + 1) % 4, last, last - t);
-            (0..last).for_each(|t| push([here(t), there(t), there(t + 1), here(t + 1)]));
+            let there = |t| (b + self.turned((turns_b + 1) % 4, last, last - t)) as u32;
+            for (t, corners) in own.as_chunks_mut().0.iter_mut().enumerate() {
+                *corners = [here(t), there(t), there(t + 1), here(t + 1)];
+            }
         }
         for &[first, _] in squares.iter().filter(|s| s[1] == 0) {
-            for v in 0..last {
-                let row = first + v * self.side;
-                let above = row + self.side;
-                (row..row + last).zip(above..).for_each(|(p, q)| push([p, p + 1, q + 1, q]));
-            }
+            let own;
+            (own, out) = out.split_at_mut(self.inside.len());
+            let first = first as u32;
+            own.iter_mut().zip(&self.inside).for_each(|(slot, &p)| *slot = first + u32::from(p));
         }
         out
     }
