@@ -152,7 +152,7 @@ fn at_once(fine: &Tessellation, rules: &Rules) -> u32 {
         Scheme::DooSabin => (base.vertex_count(), fine.vertex_count()),
         _ => (base.face_count(), fine.face_count()),
     };
-    (0..).find(|steps| of_base << (2 * steps) >= all).unwrap()
+    (0..16).find(|steps| of_base << (2 * steps) >= all).unwrap()
 }
 
 /// Compares with step by step refinement, and tells how many classes there were.
