@@ -85,6 +85,40 @@ pub(crate) fn blocks<R: Send>(len: usize, f: impl Fn(Range<usize>) -> R + Sync) 
     }
 }
 
+/// Where each of some rows begins that lie one behind the other, and the end; an error with the end if that
+/// is 2³² or more.
+pub(crate) fn starts(len: usize, count: impl Fn(usize) -> u32 + Sync) -> Result<Vec<u32>, u64> {
+    let mut end = 0_u64;
+    let firsts: Vec<u64> = blocks(len, |rows| rows.map(|i| u64::from(count(i))).sum::<u64>())
+        .into_iter()
+        .map(|sum| {
+            end += sum;
+            end - sum
+        })
+        .collect();
+    let mut starts = alloc::vec![0; len + 1];
+    starts[len] = u32::try_from(end).map_err(|_| end)?;
+    for_blocks(&mut starts[..len], |first, block| {
+        let mut next = firsts[first / BLOCK] as u32;
+        for (i, slot) in block.iter_mut().enumerate() {
+            *slot = next;
+            next += count(first + i);
+        }
+    });
+    Ok(starts)
+}
+
+/// Cuts a slice into parts of such lengths, one behind the other.
+pub(crate) fn cut<T>(mut all: &mut [T], lengths: impl Iterator<Item = usize>) -> Vec<&mut [T]> {
+    let mut parts = Vec::new();
+    for length in lengths {
+        let part;
+        (part, all) = all.split_at_mut(length);
+        parts.push(part);
+    }
+    parts
+}
+
 /// How many parts [`in_parts`] is worth cutting into; the results do not depend on it.
 pub(crate) fn part_count() -> usize {
     #[cfg(feature = "parallel")]

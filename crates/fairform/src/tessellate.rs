@@ -27,8 +27,29 @@
 //! $`(u,v), (u+1,v), (u+1,v+1), (u,v+1)`$; in a triangle $`(u,v), (u+1,v), (u,v+1)`$, followed by
 //! $`(u+1,v), (u+1,v+1), (u,v+1)`$ if that is inside.
 //!
-//! With Doo and Sabin's scheme, which is dual, and the interpolating ones, all steps are made one by
-//! one, and the numbering is that of [`refine`](crate::refine::refine()).
+//! # Doo and Sabin's scheme
+//!
+//! It is dual: after the first step, every vertex of the base has four faces, or two on the boundary,
+//! and becomes a square of $`N \times N`$ points, whatever the faces. Point $`(u, v)`$ of vertex $`i`$, with
+//! $`u`$ in the direction of its first half-edge, [`Topology::outgoing`], and $`v`$ in that of the next one
+//! around it, both from $`0`$ to $`N - 1`$ and from the far side, has the number $`i N^2 + v N + u`$. On the
+//! boundary, $`v = 0`$ is the boundary of the fine mesh.
+//!
+//! The faces are, for each face of the base:
+//!
+//! - the one between the squares of its corners, with a corner of each, in the order of the face;
+//! - for each of its half-edges that is the first of its edge, the $`N - 1`$ faces between the squares of
+//!   its ends, from right to left;
+//! - for each of its corners whose first half-edge is in this face, the $`(N-1)^2`$ faces inside that
+//!   square, row by row.
+//!
+//! A mesh that has a vertex inside with two faces takes one step more, until all vertices are such. All
+//! steps are made one by one with [`Border::Drop`](crate::Border::Drop) on open meshes, where a face of the
+//! base has some ninety corners or more, and where next to no two vertices have faces alike.
+//!
+//! # The interpolating schemes
+//!
+//! All steps are made one by one, and the numbering is that of [`refine`](crate::refine::refine()).
 
 #![expect(
     clippy::inline_always,
@@ -40,7 +61,7 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use crate::error::Error;
-use crate::ids::{EdgeId, FaceId, HalfedgeId};
+use crate::ids::{EdgeId, FaceId, HalfedgeId, VertexId};
 use crate::refine::{self, check_size, refine};
 use crate::scheme::{Rules, Scheme};
 use crate::{Faces, Topology, Vec3, limit, par};
@@ -53,6 +74,7 @@ mod grid;
 mod kernel;
 mod point;
 mod rest;
+mod squares;
 mod surface;
 
 pub use adaptive::{Adaptive, Eye, Tolerance};
@@ -62,6 +84,7 @@ use classes::Task;
 use grid::Grid;
 pub use point::Point;
 use rest::RestPoints;
+use squares::Squares;
 pub use surface::Surface;
 
 /// Most steps that are made at once.
@@ -73,7 +96,7 @@ const BLOCK: usize = 512;
 /// Some points that lie one behind the other, and are made together: a few ten thousand at most.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Part {
-    /// Vertices of the base.
+    /// Vertices of the base; with Doo and Sabin's scheme the squares that they become.
     Vertices(Range<usize>),
     /// The points on those edges whose first face is one of these faces of the base.
     Sides(Range<usize>),
@@ -113,6 +136,8 @@ pub struct Tessellation {
     points: Points,
     /// How the points of the base's faces are made; `None` if there are no others than its vertices.
     plan: Option<Plan>,
+    /// How the points of the base's vertices are made, with Doo and Sabin's scheme.
+    squares: Option<Squares>,
 }
 
 #[derive(Clone, Debug)]
@@ -166,26 +191,41 @@ impl Tessellation {
         most_at_once: u32,
     ) -> Result<Option<Self>, Error> {
         check_size(topology, rules, levels)?;
-        let can_be_at_once = matches!(rules.scheme, Scheme::Loop | Scheme::CatmullClark);
-        let all_quadrilaterals = topology.uniform_face_size() == Some(4);
-        let is_ready = rules.tension.is_none()
-            && (rules.scheme == Scheme::Loop || all_quadrilaterals)
+        let is_dual = rules.scheme == Scheme::DooSabin;
+        let is_ready = match rules.scheme {
+            Scheme::Loop => true,
+            Scheme::DooSabin => squares::is_ready(topology, rules),
+            _ => topology.uniform_face_size() == Some(4),
+        } && rules.tension.is_none()
             && topology.face_count() > 0;
         let needed = levels.saturating_sub(most_at_once).max(u32::from(!is_ready));
-        let at_once = if can_be_at_once { levels.saturating_sub(first.max(needed)) } else { 0 };
-        let steps = Steps::new(Arc::clone(topology), rules.clone(), levels - at_once)?;
+        let mut at_once = levels.saturating_sub(first.max(needed));
+        if rules.scheme.is_interpolating() {
+            at_once = 0;
+        }
+        let mut steps = Steps::new(Arc::clone(topology), rules.clone(), levels - at_once)?;
+        while is_dual && at_once > 0 && !squares::is_ready(steps.topology(), steps.rules()) {
+            steps.push()?;
+            at_once -= 1;
+        }
+        let (mut plan, mut squares) = (None, None);
+        if is_dual && at_once > 0 && steps.topology().face_count() > 0 {
+            squares = Squares::new(steps.topology(), steps.rules(), at_once, points)?;
+            if squares.is_none() {
+                (0..at_once).try_for_each(|_| steps.push())?;
+            }
+        }
         if points == Points::Limit {
             limit::check(steps.topology(), steps.rules())?;
         }
-        let mut plan = None;
-        if at_once > 0 && steps.topology().face_count() > 0 {
+        if !is_dual && at_once > 0 && steps.topology().face_count() > 0 {
             let corners = if rules.scheme == Scheme::Loop { 3 } else { 4 };
             let grid = Grid::new(corners, at_once);
             let task = Task { grid: &grid, rules: steps.rules(), points };
             let Some(cells) = Cells::new(steps.topology(), task)? else { return Ok(None) };
             plan = Some(Plan { grid, cells });
         }
-        Ok(Some(Self { steps, points, plan }))
+        Ok(Some(Self { steps, points, plan, squares }))
     }
 
     /// The mesh whose faces are cut into grids, see the [module](self).
@@ -194,9 +234,13 @@ impl Tessellation {
         self.steps.topology()
     }
 
-    /// Number of kinds of faces, each with weights of its own.
+    /// Number of kinds of faces, or with Doo and Sabin's scheme of vertices, each with weights
+    /// of its own.
     #[must_use]
     pub fn class_count(&self) -> usize {
+        if let Some(squares) = &self.squares {
+            return squares.forms.len();
+        }
         self.plan.as_ref().map_or(0, |plan| plan.cells.classes.list.len())
     }
 
@@ -205,13 +249,22 @@ impl Tessellation {
     pub fn vertex_count(&self) -> usize {
         let base = self.base();
         let (side, inner) = self.per_edge_and_face();
-        base.vertex_count() + base.edge_count() * side + base.face_count() * inner
+        base.vertex_count() * self.per_vertex()
+            + base.edge_count() * side
+            + base.face_count() * inner
     }
 
     /// Number of faces.
     #[must_use]
     pub fn face_count(&self) -> usize {
+        if let Some(squares) = &self.squares {
+            return squares.face_count(self.base());
+        }
         self.base().face_count() * self.plan.as_ref().map_or(1, |plan| plan.grid.face_count())
+    }
+
+    fn per_vertex(&self) -> usize {
+        self.squares.as_ref().map_or(1, Squares::point_count)
     }
 
     fn per_edge_and_face(&self) -> (usize, usize) {
@@ -224,6 +277,9 @@ impl Tessellation {
     /// If there are 2³² or more corners.
     #[must_use]
     pub fn faces(&self) -> Faces {
+        if let Some(squares) = &self.squares {
+            return squares.faces(self.base());
+        }
         let Some(plan) = &self.plan else { return self.base().to_faces() };
         let size = plan.grid.corners;
         let mut corners = alloc::vec![0; self.face_count() * size];
@@ -237,6 +293,9 @@ impl Tessellation {
     /// If there is not room for just so many.
     pub fn fill_faces(&self, base_faces: Range<usize>, out: &mut [u32]) {
         let base = self.base();
+        if let Some(squares) = &self.squares {
+            return squares.fill_faces(base, base_faces, out);
+        }
         let Some(plan) = &self.plan else {
             let all = base_faces.flat_map(|f| base.face_vertices(FaceId(f as u32)));
             let mut out = out.iter_mut();
@@ -290,7 +349,8 @@ impl Tessellation {
             (0..len).step_by(block).map(move |start| start..(start + block).min(len))
         };
         let face_count = if self.plan.is_some() { self.base().face_count() } else { 0 };
-        blocks(self.base().vertex_count(), par::BLOCK)
+        let per_block = if self.squares.is_some() { BLOCK } else { par::BLOCK };
+        blocks(self.base().vertex_count(), per_block)
             .map(Part::Vertices)
             .chain(blocks(face_count, BLOCK).map(Part::Sides))
             .chain(blocks(face_count, BLOCK).map(Part::Inside))
@@ -304,14 +364,14 @@ impl Tessellation {
     pub fn numbers_of(&self, part: &Part) -> Range<usize> {
         let (side, inner) = self.per_edge_and_face();
         let base = self.base();
-        let first_of_edges = base.vertex_count();
+        let first_of_edges = base.vertex_count() * self.per_vertex();
         let first_of_faces = first_of_edges + base.edge_count() * side;
         let range = |r: &Range<usize>, first: usize, each: usize, most: usize| {
             assert!(r.start <= r.end && r.end <= most, "{part:?} of {most}");
             first + r.start * each..first + r.end * each
         };
         match part {
-            Part::Vertices(vertices) => range(vertices, 0, 1, base.vertex_count()),
+            Part::Vertices(vertices) => range(vertices, 0, self.per_vertex(), base.vertex_count()),
             Part::Inside(faces) => range(faces, first_of_faces, inner, base.face_count()),
             Part::Sides(faces) => {
                 assert!(faces.end <= base.face_count(), "{part:?} of {}", base.face_count());
@@ -322,12 +382,18 @@ impl Tessellation {
     }
 
     /// The numbers of the points of a face of the base, those on its outline too: its corners, the points
-    /// on its sides in its own direction, and those inside.
+    /// on its sides in its own direction, and those inside. With Doo and Sabin's scheme those of the squares
+    /// of its corners.
     ///
     /// # Panics
     /// If there is no such face.
     #[must_use]
     pub fn patch_numbers(&self, face: FaceId) -> Vec<u32> {
+        if let Some(squares) = &self.squares {
+            let count = squares.point_count() as u32;
+            let square = |v: &VertexId| v.0 * count..(v.0 + 1) * count;
+            return self.base().face_vertices(face).iter().flat_map(square).collect();
+        }
         let Some(plan) = &self.plan else {
             return self.base().face_vertices(face).iter().map(|v| v.0).collect();
         };
@@ -343,6 +409,9 @@ impl Tessellation {
     /// If there is no such face.
     #[must_use]
     pub fn patch_faces(&self, face: FaceId) -> Faces {
+        if let Some(squares) = &self.squares {
+            return squares.patch_faces(self.base(), face);
+        }
         match &self.plan {
             Some(plan) => {
                 let corners = plan.grid.faces.iter().map(|&point| u32::from(point)).collect();
@@ -368,6 +437,7 @@ impl Tessellation {
             Some(plan) => {
                 plan.cells.rest.as_ref().map(|r| r.apply(&points, self.points)).transpose()?
             }
+            None if self.squares.is_some() => None,
             None => Some(RestPoints {
                 normals: limit::limit_normals(base, &points, rules)?,
                 positions: match self.points {
@@ -404,14 +474,23 @@ struct Steps {
 
 impl Steps {
     fn new(topology: impl Into<Arc<Topology>>, rules: Rules, count: u32) -> Result<Self, Error> {
-        let mut levels = alloc::vec![(topology.into(), rules)];
-        for _ in 0..count {
-            let (topology, rules) = &levels[levels.len() - 1];
-            let step = refine(topology, rules)?;
-            let next = (Arc::new(step.topology), step.next);
-            levels.push(next);
-        }
-        Ok(Self { levels })
+        let mut steps = Self { levels: alloc::vec![(topology.into(), rules)] };
+        (0..count).try_for_each(|_| steps.push())?;
+        Ok(steps)
+    }
+
+    /// One step more.
+    fn push(&mut self) -> Result<(), Error> {
+        let (topology, rules) = self.last();
+        let step = refine(topology, rules)?;
+        let next = (Arc::new(step.topology), step.next);
+        self.levels.push(next);
+        Ok(())
+    }
+
+    /// Before the first step.
+    fn first(&self) -> &Topology {
+        &self.levels[0].0
     }
 
     fn last(&self) -> &(Arc<Topology>, Rules) {

@@ -220,3 +220,17 @@ fn corner_values_are_linear_in_each_face() {
         assert!((finer[h.index()] - expected - offset(parent.0)).length() < 1e-13);
     }
 }
+
+/// Large meshes are numbered in blocks.
+#[test]
+fn many_edges_are_numbered_as_few() {
+    for mesh in [shapes::torus(60, 50), shapes::sheet(60, 50, |x, y| x * y)] {
+        let finer = refine(mesh.topology(), &Rules::LOOP).unwrap().topology;
+        let found = Topology::from_faces(finer.vertex_count(), &finer.to_faces()).unwrap();
+        assert_eq!(finer, found);
+        let leads = finer.halfedges().filter(|&h| finer.twin(h).is_none_or(|t| t > h));
+        for (e, h) in finer.edges().zip(leads) {
+            assert_eq!((finer.edge_halfedge(e), finer.edge(h)), (h, e));
+        }
+    }
+}

@@ -3,19 +3,24 @@
 mod common;
 
 use common::{assorted, polygons, random_creases, random_mesh};
+use fairform::refine::refine;
 use fairform::refine::refine_mesh;
 use fairform::tessellate::{Points, Tessellation};
 use fairform::{
-    Border, Corners, Error, FaceId, Mesh, Rules, Scheme, Topology, Vec3, limit, shapes,
+    Border, Corners, Error, FaceId, HalfedgeId, Mesh, Rules, Scheme, Topology, Vec3, VertexId,
+    limit, shapes,
 };
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 
 /// For each point of a tessellation its vertex in the mesh that was refined step by step: the grid
 /// of each face of the base is followed through the steps.
-fn map(fine: &Tessellation, finest: &Topology, levels: u32) -> Vec<u32> {
+fn map(fine: &Tessellation, rules: &Rules, finest: &Topology, levels: u32) -> Vec<u32> {
     if levels == 0 {
         return (0..fine.vertex_count() as u32).collect();
+    }
+    if rules.scheme == Scheme::DooSabin {
+        return dual_map(fine, rules, finest, levels);
     }
     let base = fine.base();
     let faces = fine.faces();
@@ -59,6 +64,62 @@ fn map(fine: &Tessellation, finest: &Topology, levels: u32) -> Vec<u32> {
     map
 }
 
+/// Doo and Sabin's steps make half-edge `h` vertex `h`, and after those two of each boundary half-edge.
+/// So a vertex becomes four, of its half-edges in order, or of two of them and the edges beside.
+fn dual_map(fine: &Tessellation, rules: &Rules, finest: &Topology, levels: u32) -> Vec<u32> {
+    let mut topology = fine.base().clone();
+    let mut firsts: Vec<_> = topology.vertices().map(|v| topology.outgoing(v).unwrap()).collect();
+    let rules = Rules { tension: None, border: Border::Bspline, ..rules.clone() };
+    for level in 0..levels {
+        let finer = refine(&topology, &rules).unwrap().topology;
+        let boundary: Vec<_> =
+            topology.halfedges().filter(|&h| topology.twin(h).is_none()).collect();
+        let in_edge = |h, end| {
+            let place = boundary.binary_search(&h).unwrap();
+            VertexId((topology.halfedge_count() + 2 * place + end) as u32)
+        };
+        let (per_square, side) = (1 << (2 * level), 1 << level);
+        let mut next = vec![HalfedgeId(u32::MAX); 4 * firsts.len()];
+        for (i, &first) in firsts.iter().enumerate() {
+            let (square, v, u) = (i / per_square, i % per_square / side, i % side);
+            let mut slot = |a: usize, b: usize, h: HalfedgeId| {
+                let place = (2 * v + b) * 2 * side + 2 * u + a;
+                next[square * 4 * per_square + place] = h;
+            };
+            // Clockwise, so that all point in the direction of the first.
+            let back = |h: HalfedgeId| finer.next(finer.twin(h).unwrap());
+            slot(1, 1, first);
+            let second = topology.twin(topology.prev(first)).unwrap();
+            slot(0, 1, back(second));
+            if let Some(third) = topology.twin(topology.prev(second)) {
+                slot(0, 0, back(back(third)));
+                let fourth = topology.twin(topology.prev(third)).unwrap();
+                slot(1, 0, back(back(back(fourth))));
+            } else {
+                slot(0, 0, finer.outgoing(in_edge(topology.prev(second), 1)).unwrap());
+                slot(1, 0, finer.outgoing(in_edge(first, 0)).unwrap());
+            }
+        }
+        (topology, firsts) = (finer, next);
+    }
+    assert_eq!(&topology, finest);
+    firsts.iter().map(|&h| topology.origin(h).0).collect()
+}
+
+/// The faces, each from its lowest vertex, in order.
+fn sorted<'f>(faces: impl Iterator<Item = &'f [u32]>, map: impl Fn(u32) -> u32) -> Vec<Vec<u32>> {
+    let mut all: Vec<Vec<u32>> = faces
+        .map(|face| {
+            let mut face: Vec<u32> = face.iter().map(|&v| map(v)).collect();
+            let lowest = face.iter().enumerate().min_by_key(|v| v.1).unwrap().0;
+            face.rotate_left(lowest);
+            face
+        })
+        .collect();
+    all.sort_unstable();
+    all
+}
+
 fn descend(
     finest: &Topology,
     face: usize,
@@ -85,6 +146,15 @@ fn descend(
     }
 }
 
+fn at_once(fine: &Tessellation, rules: &Rules) -> u32 {
+    let base = fine.base();
+    let (of_base, all) = match rules.scheme {
+        Scheme::DooSabin => (base.vertex_count(), fine.vertex_count()),
+        _ => (base.face_count(), fine.face_count()),
+    };
+    (0..16).find(|steps| of_base << (2 * steps) >= all).unwrap()
+}
+
 /// Compares with step by step refinement, and tells how many classes there were.
 fn check(mesh: &Mesh, rules: &Rules, first: u32, levels: u32, name: &str) -> usize {
     let (stepped, next) = refine_mesh(mesh, rules, levels).unwrap();
@@ -103,14 +173,8 @@ fn check(mesh: &Mesh, rules: &Rules, first: u32, levels: u32, name: &str) -> usi
         let tangents = limit::limit_tangents(topology, values, &next).unwrap();
         let expected_normals = limit::limit_normals(topology, values, &next).unwrap();
         let (positions, normals) = fine.surface(mesh.positions()).unwrap().points_and_normals();
-        let at_once = {
-            let mut at_once = 0;
-            while fine.base().face_count() << (2 * at_once) < fine.face_count() {
-                at_once += 1;
-            }
-            at_once
-        };
-        let map = map(&fine, topology, at_once);
+        let at_once = at_once(&fine, rules);
+        let map = map(&fine, rules, topology, at_once);
         let mut seen = vec![false; map.len()];
         for (i, &v) in map.iter().enumerate() {
             assert!(!std::mem::replace(&mut seen[v as usize], true), "{name}: vertex {v} twice");
@@ -124,12 +188,19 @@ fn check(mesh: &Mesh, rules: &Rules, first: u32, levels: u32, name: &str) -> usi
             let [a, b] = tangents[v].map(Vec3::normalized);
             let sine = a.cross(b).length();
             let off = (normals[i] - expected_normals[v]).length();
-            // The normals of both sides of a crease may nearly cancel.
-            let tolerance = if rules.creases.is_some() { 1e-9 } else { 1e-12 };
+            // The normals of both sides of a crease may nearly cancel; and with each step tangents
+            // become shorter, but what positions are rounded by does not.
+            let steps = f64::from(1_u32 << (2 * levels.saturating_sub(2)));
+            let tolerance = if rules.creases.is_some() { 1e-9 } else { 1e-12 * steps };
             assert!(off * sine <= tolerance, "{name} {points:?} normal {i} is {off:e} off");
         }
+        let expected = sorted(topology.to_faces().iter(), |v| v);
+        assert_eq!(sorted(fine.faces().iter(), |v| map[v as usize]), expected, "{name}");
         // Vertices stay what they are.
-        assert!(map[..mesh.topology().vertex_count()].iter().zip(0..).all(|(&v, i)| v == i));
+        let stay = rules.scheme != Scheme::DooSabin;
+        assert!(
+            !stay || map[..mesh.topology().vertex_count()].iter().zip(0..).all(|(&v, i)| v == i)
+        );
     }
     classes
 }
@@ -187,10 +258,46 @@ fn the_other_schemes_go_step_by_step() {
     };
     for (_, mesh) in [("", shapes::icosahedron()), ("", shapes::fan(5))] {
         fine(&mesh, &Scheme::Butterfly.into());
-        fine(&mesh, &Scheme::DooSabin.into());
     }
     fine(&common::quad_sheet(4, 4), &Scheme::Kobbelt.into());
-    fine(&common::mixed(), &Scheme::DooSabin.into());
+    // A vertex where so much meets that its squares would be large.
+    fine(&shapes::bipyramid(100), &Scheme::DooSabin.into());
+}
+
+#[test]
+fn vertices_become_squares() {
+    let smooth = Rules::from(Scheme::DooSabin);
+    let mut meshes: Vec<_> = polygons();
+    meshes.extend(assorted());
+    meshes.push(("bipyramid 60", shapes::bipyramid(60)));
+    for (name, mesh) in meshes {
+        for (first, levels) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (1, 4)] {
+            let has_limit = levels > 0
+                || fairform::limit::limit_points(mesh.topology(), mesh.positions(), &smooth)
+                    .is_ok();
+            if has_limit && (levels < 4 || mesh.topology().halfedge_count() < 100) {
+                check(&mesh, &smooth, first, levels, &format!("{name} {first} {levels}"));
+            }
+        }
+        let tension = (0..mesh.topology().face_count()).map(|f| 0.5 + 0.125 * (f % 4) as f64);
+        let rules = Rules { tension: Some(tension.collect()), ..smooth.clone() };
+        check(&mesh, &rules, 0, 2, name);
+    }
+    // All steps at once, where all vertices have four faces.
+    let torus = shapes::torus(5, 7);
+    let quads = refine_mesh(&torus, &Scheme::CatmullClark.into(), 1).unwrap().0;
+    let (dual, next) = refine_mesh(&quads, &smooth, 1).unwrap();
+    let fine = Tessellation::from_level(dual.topology(), &next, 0, 3, Points::Limit).unwrap();
+    assert_eq!(fine.base(), &**dual.topology());
+    assert_eq!(fine.vertex_count(), 64 * dual.topology().vertex_count());
+    check(&dual, &next, 0, 3, "dual of a torus");
+    // The boundary is dropped step by step.
+    let rules = Rules { border: Border::Drop, ..smooth };
+    let sheet = common::quad_sheet(6, 5);
+    let new = |points| Tessellation::new(sheet.topology(), &rules, 2, points);
+    let stepped = refine_mesh(&sheet, &rules, 2).unwrap().0;
+    assert_eq!(new(Points::Control).unwrap().faces(), stepped.topology().to_faces());
+    assert!(matches!(new(Points::Limit).err(), Some(Error::NoLimit { .. })));
 }
 
 /// A vertex where so much meets that its faces have no class, and others that do.
@@ -218,11 +325,11 @@ fn a_base_has_few_classes() {
 /// Published and independently computed values: control points two levels on, limit points, normals.
 #[test]
 fn golden_values() {
-    let names = ["loop", "catmull-clark"].map(common::golden_names).concat();
+    let names = ["loop", "catmull-clark", "doo-sabin"].map(common::golden_names).concat();
     assert!(names.len() > 15);
     for name in names {
         let fixture = common::golden(&name);
-        let is_plain = ["lambda", "boundary"].iter().all(|key| fixture[*key].is_null());
+        let is_plain = fixture["lambda"].is_null() && fixture["boundary"] != "drop";
         let scheme: Scheme = fixture["scheme"].as_str().unwrap().parse().unwrap();
         let corners = if fixture["corners"] == "sharp" { Corners::Sharp } else { Corners::Smooth };
         let (mesh, rules) = (common::mesh(&fixture["mesh"]), Rules { corners, ..scheme.into() });
@@ -236,15 +343,15 @@ fn golden_values() {
                 let fine = new(mesh.topology(), &rules, first, levels, Points::Control).unwrap();
                 let points = fine.surface(mesh.positions()).unwrap().points();
                 let stepped = refine_mesh(&mesh, &rules, levels).unwrap().0;
-                let steps = fine.face_count() / fine.base().face_count();
-                let map = map(&fine, stepped.topology(), steps.ilog2() / 2);
+                let map = map(&fine, &rules, stepped.topology(), at_once(&fine, &rules));
                 let expected = common::points(&level["vertices"]);
                 for (point, &v) in points.iter().zip(&map) {
                     assert!((*point - expected[v as usize]).length() < 1e-12, "{name} {v}");
                 }
             }
         }
-        if fixture["limit"].is_null() {
+        // With Doo and Sabin's scheme the vertices are no points of the surface.
+        if fixture["limit"].is_null() || scheme == Scheme::DooSabin {
             continue;
         }
         let fine = Tessellation::new(mesh.topology(), &rules, 3, Points::Limit).unwrap();
@@ -277,14 +384,17 @@ fn bad_input_is_an_error() {
 #[test]
 fn results_do_not_depend_on_threads() {
     let mesh = random_mesh(5, 300, 5);
-    let fine = || {
-        let fine = Tessellation::new(mesh.topology(), &Rules::LOOP, 3, Points::Limit).unwrap();
-        let points = fine.surface(mesh.positions()).unwrap().points_and_normals();
-        (points, fine.faces())
-    };
-    let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
-    let one = pool(1).install(fine);
-    assert!(one == pool(2).install(fine) && one == pool(5).install(fine));
+    for scheme in [Scheme::Loop, Scheme::CatmullClark, Scheme::DooSabin] {
+        let fine = || {
+            let rules = scheme.into();
+            let fine = Tessellation::new(mesh.topology(), &rules, 3, Points::Limit).unwrap();
+            let points = fine.surface(mesh.positions()).unwrap().points_and_normals();
+            (points, fine.faces())
+        };
+        let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
+        let one = pool(1).install(fine);
+        assert!(one == pool(2).install(fine) && one == pool(5).install(fine));
+    }
 }
 
 /// Patches and parts are what the whole is, bit for bit.
@@ -294,7 +404,9 @@ fn patches_and_parts_make_the_whole() {
         (random_mesh(8, 40, 3), Rules::LOOP, 3),
         (shapes::bipyramid(100), Rules::LOOP, 3),
         (common::mixed(), Scheme::CatmullClark.into(), 2),
-        (common::mixed(), Scheme::DooSabin.into(), 2),
+        (common::mixed(), Scheme::DooSabin.into(), 1),
+        (common::mixed(), Scheme::DooSabin.into(), 3),
+        (common::quad_sheet(3, 4), Scheme::DooSabin.into(), 2),
         (shapes::cube(), Scheme::CatmullClark.into(), 4),
     ];
     let creases = Some(random_creases(cases[0].0.topology(), 7, 30).into());
@@ -316,16 +428,21 @@ fn patches_and_parts_make_the_whole() {
             assert_eq!(n, normals[numbers], "{part:?}");
         }
         assert_eq!(end, positions.len());
+        let mut all = faces.iter();
         for face in fine.base().faces() {
             let numbers = fine.patch_numbers(face);
             let at = |all: &[Vec3]| numbers.iter().map(|&i| all[i as usize]).collect::<Vec<_>>();
             assert_eq!(surface.patch(face), (at(&positions), at(&normals)), "{face}");
-            let size = fine.face_count() / fine.base().face_count();
-            for (i, own) in fine.patch_faces(face).iter().enumerate() {
-                let own: Vec<u32> = own.iter().map(|&p| numbers[p as usize]).collect();
-                assert_eq!(own, faces.get(FaceId((face.index() * size + i) as u32)));
+            let patch_faces = fine.patch_faces(face);
+            let of_patch = |p: &u32| numbers[*p as usize];
+            for own in patch_faces.iter() {
+                assert!(own.iter().map(of_patch).eq(all.next().unwrap().iter().copied()));
             }
+            let mut corners = vec![0; patch_faces.corners().len()];
+            fine.fill_faces(face.index()..face.index() + 1, &mut corners);
+            assert!(patch_faces.corners().iter().map(of_patch).eq(corners));
         }
+        assert!(all.next().is_none());
     }
 }
 
@@ -350,6 +467,9 @@ proptest! {
     #[test]
     fn any_mesh(seed: u64, splits in 0_usize..12, holes in 0_usize..4, share in 0_u64..60) {
         let mesh = random_mesh(seed, splits, holes);
+        let dual = Rules::from(Scheme::DooSabin);
+        check(&mesh, &dual, 1, 2, "dual");
+        check(&mesh, &dual, 1, 3, "dual");
         for scheme in [Scheme::Loop, Scheme::CatmullClark] {
             let smooth = Rules::from(scheme);
             let creases = Some(random_creases(mesh.topology(), seed, share).into());

@@ -109,31 +109,64 @@ struct EdgeNumbering {
 impl EdgeNumbering {
     fn new(coarse: &Topology) -> Self {
         let face_count = coarse.face_count();
-        let mut inner = Vec::with_capacity(face_count);
+        let mut inner = alloc::vec![[0; 3]; face_count];
         let mut halves = alloc::vec![[0; 2]; coarse.edge_count()];
-        let mut edge_halfedge = Vec::with_capacity(2 * coarse.edge_count() + 3 * face_count);
-        for f in 0..face_count as u32 {
+        let mut edge_halfedge = alloc::vec![0; 2 * coarse.edge_count() + 3 * face_count];
+        // Those of a block of faces are numbered in a row, since the edges of the parents are.
+        let sizes = par::blocks(face_count, |faces| {
+            let halfedges = 3 * faces.start as u32..3 * faces.end as u32;
+            (faces.len(), halfedges.filter(|&h| leads(coarse, h)).count())
+        });
+        let all_inner = par::cut(&mut inner, sizes.iter().map(|s| s.0));
+        let all_halves = par::cut(&mut halves, sizes.iter().map(|s| s.1));
+        let all_own = par::cut(&mut edge_halfedge, sizes.iter().map(|s| 3 * s.0 + 2 * s.1));
+        let (mut face, mut edge) = (0, 0);
+        let mut parts = Vec::with_capacity(sizes.len());
+        for (((inner, halves), own), size) in
+            all_inner.into_iter().zip(all_halves).zip(all_own).zip(&sizes)
+        {
+            parts.push(NumberedBlock { face, edge, inner, halves, edge_halfedge: own });
+            (face, edge) = (face + size.0, edge + size.1);
+        }
+        par::in_parts(parts, |part| part.number(coarse));
+        Self { inner, halves, edge_halfedge }
+    }
+}
+
+/// A part of [`EdgeNumbering`]: some faces and the edges that begin with them, from these on.
+struct NumberedBlock<'o> {
+    face: usize,
+    edge: usize,
+    inner: &'o mut [[u32; 3]],
+    halves: &'o mut [[u32; 2]],
+    edge_halfedge: &'o mut [u32],
+}
+
+impl NumberedBlock<'_> {
+    fn number(self, coarse: &Topology) {
+        let first = (3 * self.face + 2 * self.edge) as u32;
+        let mut count = 0;
+        let mut push = |halfedge| {
+            self.edge_halfedge[count] = halfedge;
+            count += 1;
+            first + count as u32 - 1
+        };
+        for (own, f) in self.inner.iter_mut().zip(self.face as u32..) {
             let h = 3 * f;
             let lead = [leads(coarse, h), leads(coarse, h + 1), leads(coarse, h + 2)];
             let edge = [0, 1, 2].map(|i| edge_of(coarse, h + i) as usize);
-            let mut own = [0; 3];
             for i in 0..3 {
                 let before = (i + 2) % 3;
                 let place = 12 * f + 3 * i as u32;
                 if lead[i] {
-                    halves[edge[i]][0] = edge_halfedge.len() as u32;
-                    edge_halfedge.push(place);
+                    self.halves[edge[i] - self.edge][0] = push(place);
                 }
-                own[i] = edge_halfedge.len() as u32;
-                edge_halfedge.push(place + 1);
+                own[i] = push(place + 1);
                 if lead[before] {
-                    halves[edge[before]][1] = edge_halfedge.len() as u32;
-                    edge_halfedge.push(place + 2);
+                    self.halves[edge[before] - self.edge][1] = push(place + 2);
                 }
             }
-            inner.push(own);
         }
-        Self { inner, halves, edge_halfedge }
     }
 }
 

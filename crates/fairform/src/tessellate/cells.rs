@@ -1,12 +1,13 @@
 //! [`Cells`]: for each face, its class and the vertices that its points are made of.
 
+use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
-use super::classes::{Classes, MOST_SOURCES, Task};
+use super::classes::{Classes, MOST_CLASSES, MOST_SOURCES, Task};
 use super::rest::Rest;
 use crate::crease::Sharpness;
 use crate::error::Error;
-use crate::evaluate::Gatherer;
+use crate::evaluate::{Gatherer, Neighbourhood};
 use crate::ids::{EdgeId, FaceId, HalfedgeId, NONE, VertexId};
 use crate::scheme::Rules;
 use crate::{Topology, par};
@@ -14,6 +15,9 @@ use crate::{Topology, par};
 /// Most faces that are made step by step where a face becomes a [large](Grid::is_large) grid: with what
 /// lies around they take some hundred megabytes at worst.
 const MOST_LEFT: u64 = 1 << 16;
+
+/// What the surroundings of a plain face, or of a vertex, look like.
+pub(super) type Key = [u8; 4];
 
 /// What the points of all faces are made of.
 #[derive(Clone, Debug)]
@@ -31,48 +35,39 @@ impl Cells {
     /// `None` if many steps are to be made at once and too many faces would be left.
     pub(super) fn new(topology: &Topology, task: Task<'_>) -> Result<Option<Self>, Error> {
         let keys = keys(topology, task.rules);
-        let mut finder = Finder { topology, task, classes: Classes::default(), recent: Vec::new() };
-        finder.recent.resize(RECENT, ([0; 4], None));
-        let mut gatherer = Gatherer::new(topology, task.rules);
-        let mut class = alloc::vec![NONE; keys.len()];
-        let mut start = Vec::with_capacity(keys.len() + 1);
-        let (mut special, mut left) = (Vec::new(), Vec::new());
-        let mut used = Vec::new();
-        let mut end = 0_u64;
-        for (f, (class, key)) in class.iter_mut().zip(&keys).enumerate() {
-            start.push(end as u32);
-            let mut count = 0;
-            let found = if *key == [0; 4] {
-                let found = finder.special(f, &mut gatherer)?;
-                found.map(|(class, sources)| {
-                    count = sources.len();
-                    special.push((f as u32, sources));
-                    class
-                })
-            } else {
-                count = source_count(*key, task.grid.corners);
-                finder.plain(*key)?
-            };
-            if let Some(found) = found {
-                *class = found;
-                used.resize(used.len().max(found as usize + 1), 0);
-                used[found as usize] |= 1 << owned_sides(topology, f, task.grid.corners);
-                end += count as u64;
-            } else {
-                left.push(f as u32);
-            }
-            if end > u64::from(u32::MAX) {
-                return Err(Error::TooLarge { halfedges: end });
-            }
-        }
-        start.push(end as u32);
+        let mut classes = Classes::default();
+        let plain: Vec<Key> =
+            distinct(&keys).into_iter().filter(|k| *k != Key::default()).collect();
+        let of_plain = plain
+            .iter()
+            .map(|key| {
+                let valences = key.map(u32::from);
+                let found = classes.plain(&valences[..task.grid.corners], task)?;
+                Ok(found.unwrap_or(NONE))
+            })
+            .collect::<Result<Vec<u32>, Error>>()?;
+        let special = Special::new(topology, task, &keys, &mut classes)?;
+        let mut class = par::collect(keys.len(), |f| {
+            plain.binary_search(&keys[f]).map_or(NONE, |place| of_plain[place])
+        });
         drop(keys);
+        special.faces.iter().zip(&special.class).for_each(|(&f, &c)| class[f as usize] = c);
+
+        let count = |f: usize| match class[f] {
+            NONE => 0,
+            found => classes.list[found as usize].source_count as u32,
+        };
+        let start =
+            par::starts(class.len(), count).map_err(|end| Error::TooLarge { halfedges: end })?;
+        let (used, left) = used_and_left(topology, task, &class, classes.list.len());
         if task.grid.is_large() && (left.len() as u64) << (2 * task.grid.levels) > MOST_LEFT {
             return Ok(None);
         }
-        let mut classes = finder.classes;
         classes.finish(&used, task.grid);
-        let rest = if left.is_empty() { None } else { Some(Rest::new(&mut gatherer, left, task)?) };
+        let rest = match left.is_empty() {
+            true => None,
+            false => Some(Rest::new(&mut Gatherer::new(topology, task.rules), left, task)?),
+        };
         let sources = sources(topology, task, &class, &start, &special);
         Ok(Some(Self { classes, class, start, sources, rest }))
     }
@@ -95,42 +90,117 @@ pub(super) fn owned_sides(topology: &Topology, face: usize, corners: usize) -> u
     })
 }
 
-/// Places for classes found recently.
-const RECENT: usize = 64;
-
-struct Finder<'a> {
-    topology: &'a Topology,
-    task: Task<'a>,
-    classes: Classes,
-    recent: Vec<([u8; 4], Option<u32>)>,
+/// For each class, which sides are their faces' own, as bits of bits; and the faces without a class.
+fn used_and_left(
+    topology: &Topology,
+    task: Task<'_>,
+    class: &[u32],
+    class_count: usize,
+) -> (Vec<u32>, Vec<u32>) {
+    let blocks = par::blocks(class.len(), |faces| {
+        let (mut used, mut left) = (alloc::vec![0_u32; class_count], Vec::new());
+        for f in faces {
+            match class[f] {
+                NONE => left.push(f as u32),
+                c => used[c as usize] |= 1 << owned_sides(topology, f, task.grid.corners),
+            }
+        }
+        (used, left)
+    });
+    let (mut used, mut left) = (alloc::vec![0; class_count], Vec::new());
+    for (of_block, left_in_block) in blocks {
+        used.iter_mut().zip(of_block).for_each(|(used, more)| *used |= more);
+        left.extend(left_in_block);
+    }
+    (used, left)
 }
 
-impl Finder<'_> {
-    fn plain(&mut self, key: [u8; 4]) -> Result<Option<u32>, Error> {
-        let place = key.iter().fold(0, |sum, &n| 5 * sum + n as usize) % RECENT;
-        let (recent, class) = self.recent[place];
-        if recent == key {
-            return Ok(class);
-        }
-        let valences = key.map(u32::from);
-        let class = self.classes.plain(&valences[..self.task.grid.corners], self.task)?;
-        self.recent[place] = (key, class);
-        Ok(class)
-    }
+/// The classes and sources of the faces that are not plain.
+#[derive(Default)]
+struct Special {
+    faces: Vec<u32>,
+    /// Of each of them; [`NONE`] without one, and then there are no sources.
+    class: Vec<u32>,
+    /// Where the sources of each begin, and the end.
+    start: Vec<usize>,
+    sources: Vec<u32>,
+}
 
-    /// The class and the sources of a face that is not plain.
-    fn special(
-        &mut self,
-        face: usize,
-        gatherer: &mut Gatherer<'_>,
-    ) -> Result<Option<(u32, Vec<u32>)>, Error> {
-        let first = HalfedgeId((face * self.task.grid.corners) as u32);
-        if !is_small(self.topology, self.task.rules, first) {
-            return Ok(None);
+/// Some of them, with their classes by their place in a list.
+#[derive(Default)]
+struct SpecialPart {
+    found: Special,
+    list: Vec<Neighbourhood>,
+}
+
+/// How many faces of a mesh can be passed over while the neighbourhood of one is gathered, or a part of that.
+const PASSED_OVER: usize = 256;
+
+impl Special {
+    fn new(
+        topology: &Topology,
+        task: Task<'_>,
+        keys: &[Key],
+        classes: &mut Classes,
+    ) -> Result<Self, Error> {
+        let faces = par::blocks(keys.len(), |block| {
+            let is_special = |f: &usize| keys[*f] == Key::default();
+            block.filter(is_special).map(|f| f as u32).collect::<Vec<_>>()
+        })
+        .concat();
+        // Each part fills memory in proportion to the mesh, so they are few, and one where that would
+        // take the longest.
+        let worth = PASSED_OVER * faces.len() / keys.len().max(1);
+        let count = worth.clamp(1, par::part_count());
+        let parts = faces.chunks(faces.len().div_ceil(count).max(1)).collect();
+        let parts = par::map_parts(parts, |part| SpecialPart::new(topology, task, part));
+        let mut all = Self { start: alloc::vec![0], ..Self::default() };
+        for SpecialPart { found, list } in parts {
+            let of_part = list
+                .into_iter()
+                .map(|found| Ok(classes.of(found, task)?.unwrap_or(NONE)))
+                .collect::<Result<Vec<u32>, Error>>()?;
+            for (i, &face) in found.faces.iter().enumerate() {
+                let class = of_part.get(found.class[i] as usize).copied().unwrap_or(NONE);
+                all.faces.push(face);
+                all.class.push(class);
+                if class != NONE {
+                    all.sources.extend(&found.sources[found.start[i]..found.start[i + 1]]);
+                }
+                all.start.push(all.sources.len());
+            }
         }
-        let found = gatherer.gather(first);
-        let sources = found.vertices[..found.value_count].iter().map(|v| v.0).collect();
-        Ok(self.classes.of(found, self.task)?.map(|class| (class, sources)))
+        Ok(all)
+    }
+}
+
+impl SpecialPart {
+    fn new(topology: &Topology, task: Task<'_>, faces: &[u32]) -> Self {
+        let mut gatherer = Gatherer::new(topology, task.rules);
+        let mut known: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
+        let mut part = Self::default();
+        part.found.start.push(0);
+        for &f in faces {
+            let first = HalfedgeId(f * task.grid.corners as u32);
+            let mut class = NONE;
+            let near = is_small(topology, task.rules, first).then(|| gatherer.gather(first));
+            if let Some(near) = near.filter(|near| near.value_count <= MOST_SOURCES) {
+                let sources = near.vertices[..near.value_count].iter().map(|v| v.0);
+                part.found.sources.extend(sources);
+                let key = near.key();
+                class = known.get(&key).copied().unwrap_or(NONE);
+                // With more no class would be found for those that come later in any case.
+                if class == NONE && known.len() < MOST_CLASSES {
+                    class = part.list.len() as u32;
+                    known.insert(key, class);
+                    part.list.push(near);
+                }
+            }
+            part.found.faces.push(f);
+            part.found.class.push(class);
+            part.found.start.push(part.found.sources.len());
+        }
+        part
     }
 }
 
@@ -141,7 +211,7 @@ fn is_small(topology: &Topology, rules: &Rules, first: HalfedgeId) -> bool {
 
 /// The valences of the corners of each face that is plain: all of them inside, nothing sharp, and the
 /// faces around it a disc. Zeros for other faces.
-fn keys(topology: &Topology, rules: &Rules) -> Vec<[u8; 4]> {
+fn keys(topology: &Topology, rules: &Rules) -> Vec<Key> {
     let sharp = rules.sharpness(topology);
     let plain_vertex = rules
         .creases
@@ -170,6 +240,27 @@ fn keys(topology: &Topology, rules: &Rules) -> Vec<[u8; 4]> {
     })
 }
 
+/// The keys that turn up, in order.
+pub(super) fn distinct(keys: &[Key]) -> Vec<Key> {
+    let blocks = par::blocks(keys.len(), |block| {
+        let mut found: Vec<Key> = Vec::new();
+        let mut last = None;
+        for key in &keys[block] {
+            if last != Some(key)
+                && let Err(place) = found.binary_search(key)
+            {
+                found.insert(place, *key);
+            }
+            last = Some(key);
+        }
+        found
+    });
+    let mut all = blocks.concat();
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
 fn is_plain(sharp: Sharpness<'_>, v: VertexId) -> bool {
     !sharp.topology.is_boundary(v)
         && sharp.vertex(v) == 0.0
@@ -177,7 +268,7 @@ fn is_plain(sharp: Sharpness<'_>, v: VertexId) -> bool {
 }
 
 /// How many vertices there are on and around a plain face.
-fn source_count(key: [u8; 4], corners: usize) -> usize {
+fn source_count(key: Key, corners: usize) -> usize {
     let sum = key[..corners].iter().map(|&n| n as usize).sum::<usize>();
     if corners == 3 { sum - 6 } else { 2 * sum - 16 }
 }
@@ -187,20 +278,24 @@ fn sources(
     task: Task<'_>,
     class: &[u32],
     start: &[u32],
-    special: &[(u32, Vec<u32>)],
+    special: &Special,
 ) -> Vec<u32> {
     let mut sources = alloc::vec![0; start[start.len() - 1] as usize];
     let mut nothing = alloc::vec![(); sources.len()];
     par::fill_row_blocks(start, &mut sources, &mut nothing, &|faces, mut out: &mut [u32], _| {
-        let mut next = special.partition_point(|s| (s.0 as usize) < faces.start);
+        let mut next = special.faces.partition_point(|&f| (f as usize) < faces.start);
         for f in faces {
+            let place = next;
+            let is_special = special.faces.get(next).is_some_and(|&s| s as usize == f);
+            next += usize::from(is_special);
             if class[f] == NONE {
                 continue;
             }
             let (row, rest) = out.split_at_mut((start[f + 1] - start[f]) as usize);
-            if let Some((_, found)) = special.get(next).filter(|s| s.0 as usize == f) {
-                row.copy_from_slice(found);
-                next += 1;
+            if is_special {
+                row.copy_from_slice(
+                    &special.sources[special.start[place]..special.start[place + 1]],
+                );
             } else if task.grid.corners == 3 {
                 around_triangle(topology, f, row);
             } else {

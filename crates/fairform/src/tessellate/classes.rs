@@ -13,10 +13,10 @@ use crate::scheme::Rules;
 use crate::{Faces, Topology, Vec3, limit};
 
 /// Most classes. Meshes have some tens; the faces of others are refined step by step.
-const MOST_CLASSES: usize = 1024;
+pub(super) const MOST_CLASSES: usize = 1024;
 
 /// Most weights of all classes together, so that memory is bounded whatever turns up.
-const MOST_WEIGHTS: usize = 1 << 21;
+pub(super) const MOST_WEIGHTS: usize = 1 << 21;
 /// The same with [large](Grid::is_large) grids: 128 MiB.
 const MOST_LARGE_WEIGHTS: usize = 1 << 24;
 
@@ -118,45 +118,16 @@ impl Classes {
 }
 
 impl Class {
-    /// The rows of the first face of a mesh, from its first vertices: by the rules for any mesh, from
-    /// one, three values at a time.
+    /// The rows of the first face of a mesh, from its first vertices.
     fn new(
         topology: Topology,
         rules: Rules,
         source_count: usize,
         task: Task<'_>,
     ) -> Result<Self, Error> {
-        let vertex_count = topology.vertex_count();
         let steps = Steps::new(topology, rules, task.grid.levels)?;
-        let (finest, next) = (steps.topology(), steps.rules());
-        let vertices = task.grid.vertices(finest, 0);
-        let ids: Vec<VertexId> = vertices.iter().map(|&v| VertexId(v)).collect();
-        let mut points = alloc::vec![PointRows::default(); vertices.len()];
-        for first in (0..source_count).step_by(3) {
-            let count = (source_count - first).min(3);
-            let mut values = alloc::vec![Vec3::ZERO; vertex_count];
-            for (i, unit) in [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
-                .into_iter()
-                .take(count)
-                .enumerate()
-            {
-                values[first + i] = Vec3::new(unit.0, unit.1, unit.2);
-            }
-            let values = steps.apply(&values);
-            let push = |row: &mut Vec<f64>, p: Vec3| row.extend(&[p.x, p.y, p.z][..count]);
-            let places = match task.points {
-                Points::Control => values.clone(),
-                Points::Limit => limit::limit_points(finest, &values, next)?,
-            };
-            let tangents = limit::vertex_tangents(finest, &values, next, &ids)?;
-            for ((point, &v), sides) in points.iter_mut().zip(&vertices).zip(tangents) {
-                push(&mut point.position, places[v as usize]);
-                point.sides.resize_with(sides.len(), Default::default);
-                for (rows, tangents) in point.sides.iter_mut().zip(sides) {
-                    rows.iter_mut().zip(tangents).for_each(|(row, t)| push(row, t));
-                }
-            }
-        }
+        let vertices = task.grid.vertices(steps.topology(), 0);
+        let points = point_rows(&steps, &vertices, source_count, task.points)?;
         let (corners, sides, whole) = (Vec::new(), Vec::new(), Vec::new());
         Ok(Self { source_count, points, corners, sides, whole })
     }
@@ -182,6 +153,43 @@ impl Class {
         let is_whole = |s: usize| s == 0 || is_used(&s) && !grid.is_large();
         self.whole = all.map(|s| or_empty(s, inner, is_whole(s))).collect();
     }
+}
+
+/// The rows of some vertices at the finest level, from the first vertices of the coarsest: by the rules for
+/// any mesh, from one, three values at a time.
+pub(super) fn point_rows(
+    steps: &Steps,
+    vertices: &[u32],
+    source_count: usize,
+    what: Points,
+) -> Result<Vec<PointRows>, Error> {
+    let (finest, next) = (steps.topology(), steps.rules());
+    let ids: Vec<VertexId> = vertices.iter().map(|&v| VertexId(v)).collect();
+    let mut points = alloc::vec![PointRows::default(); vertices.len()];
+    for first in (0..source_count).step_by(3) {
+        let count = (source_count - first).min(3);
+        let mut values = alloc::vec![Vec3::ZERO; steps.first().vertex_count()];
+        for (i, unit) in
+            [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)].into_iter().take(count).enumerate()
+        {
+            values[first + i] = Vec3::new(unit.0, unit.1, unit.2);
+        }
+        let values = steps.apply(&values);
+        let push = |row: &mut Vec<f64>, p: Vec3| row.extend(&[p.x, p.y, p.z][..count]);
+        let places = match what {
+            Points::Control => values.clone(),
+            Points::Limit => limit::limit_points(finest, &values, next)?,
+        };
+        let tangents = limit::vertex_tangents(finest, &values, next, &ids)?;
+        for ((point, &v), sides) in points.iter_mut().zip(vertices).zip(tangents) {
+            push(&mut point.position, places[v as usize]);
+            point.sides.resize_with(sides.len(), Default::default);
+            for (rows, tangents) in point.sides.iter_mut().zip(sides) {
+                rows.iter_mut().zip(tangents).for_each(|(row, t)| push(row, t));
+            }
+        }
+    }
+    Ok(points)
 }
 
 /// A face whose corners have such valences, and the faces around it: a disc, whose vertices are the

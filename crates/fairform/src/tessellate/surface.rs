@@ -6,6 +6,7 @@ use core::ops::Range;
 use super::cells::owned_sides;
 use super::kernel::{self, Scratch};
 use super::rest::RestPoints;
+use super::squares::Squares;
 use super::{BLOCK, Part, Plan, Point, Tessellation};
 use crate::ids::{FaceId, HalfedgeId, NONE, VertexId};
 use crate::{Vec3, par, wide};
@@ -104,6 +105,9 @@ impl<'t> Surface<'t> {
         let base = all.base();
         assert_eq!(positions.len(), all.vertex_count(), "room for the points");
         assert!(normals.as_ref().is_none_or(|n| n.len() == positions.len()), "as many normals");
+        if let Some(squares) = &all.squares {
+            return self.fill_all_squares(squares, Room { positions, normals });
+        }
         let (vertices, rest) = Room { positions, normals }.split(base.vertex_count());
         self.fill_vertices(vertices);
         let Some(plan) = &all.plan else { return };
@@ -139,6 +143,9 @@ impl<'t> Surface<'t> {
         );
         assert!(normals.as_ref().is_none_or(|n| n.len() == positions.len()), "as many normals");
         let room = Room { positions, normals };
+        if let (Part::Vertices(vertices), Some(squares)) = (part, &self.tessellation.squares) {
+            return self.fill_squares(squares, vertices.clone(), room);
+        }
         match (part, &self.tessellation.plan) {
             (Part::Vertices(vertices), _) => self.fill_vertex_block(vertices.start, room),
             (Part::Sides(faces), Some(plan)) => {
@@ -181,8 +188,13 @@ impl<'t> Surface<'t> {
         let all = self.tessellation;
         assert!(normals.as_ref().is_none_or(|n| n.len() == positions.len()), "as many normals");
         let mut room = Room { positions, normals };
-        for v in all.base().face_vertices(face) {
-            self.fill_vertex_block(v.index(), room.take(1));
+        for v in all.base().face_vertices(face).iter().map(|v| v.index()) {
+            match &all.squares {
+                Some(squares) => {
+                    self.fill_squares(squares, v..v + 1, room.take(squares.point_count()));
+                }
+                None => self.fill_vertex_block(v, room.take(1)),
+            }
         }
         if let Some(plan) = &all.plan {
             for h in all.base().face_halfedges(face) {
@@ -220,6 +232,48 @@ impl<'t> Surface<'t> {
             if first != h {
                 slots.reverse();
             }
+        }
+    }
+
+    fn fill_all_squares<P: Point, N: Point>(&self, squares: &Squares, mut room: Room<'_, P, N>) {
+        let mut parts = Vec::new();
+        let count = squares.class.len();
+        for start in (0..count).step_by(BLOCK) {
+            let vertices = start..(start + BLOCK).min(count);
+            parts.push((room.take(vertices.len() * squares.point_count()), vertices));
+        }
+        par::in_parts(parts, |(room, vertices)| self.fill_squares(squares, vertices, room));
+    }
+
+    fn fill_squares<P: Point, N: Point>(
+        &self,
+        squares: &Squares,
+        vertices: Range<usize>,
+        room: Room<'_, P, N>,
+    ) {
+        wide::run(
+            #[inline(always)]
+            || self.fill_squares_wide(squares, vertices, room),
+        );
+    }
+
+    #[inline(always)]
+    fn fill_squares_wide<P: Point, N: Point>(
+        &self,
+        squares: &Squares,
+        vertices: Range<usize>,
+        mut room: Room<'_, P, N>,
+    ) {
+        let count = squares.point_count();
+        let with_normals = room.normals.is_some();
+        let (mut scratch, mut sources) = (Scratch::default(), Vec::new());
+        for v in vertices {
+            sources.clear();
+            kernel::gather(squares.sources(v), &self.points, &mut sources);
+            let form = &squares.forms[squares.class[v] as usize];
+            form.evaluate(&sources, &mut scratch, with_normals);
+            let normals = scratch.normals(if with_normals { count } else { 0 });
+            room.take(count).write(scratch.positions(count), normals);
         }
     }
 

@@ -185,8 +185,12 @@ impl Topology {
                 }
             }
         });
-        let mut edge_halfedge = Vec::with_capacity(first);
-        edge_halfedge.extend((0..twin.len() as u32).filter(|&h| leads(h as usize)));
+        let mut edge_halfedge = alloc::vec![NONE; first];
+        let own = par::cut(&mut edge_halfedge, counts.iter().copied());
+        par::in_parts(own.into_iter().enumerate().collect(), |(block, own)| {
+            let leading = (block * par::BLOCK..).filter(|&h| leads(h));
+            own.iter_mut().zip(leading).for_each(|(slot, h)| *slot = h as u32);
+        });
         // The second half of each edge takes the number of the first.
         let lead = edge;
         self.edge = par::collect(lead.len(), |h| match lead[h] {
