@@ -41,6 +41,14 @@ pub(crate) const PEERS: Bench = Bench {
     page: "docs/performance-peers.md",
 };
 
+pub(crate) const TESSELLATION: Bench = Bench {
+    title: "How fast many steps at once are",
+    example: "tessellate_table",
+    package: &["--package", "fairform"],
+    command: "cargo xtask bench tessellation --write",
+    page: "docs/performance-tessellation.md",
+};
+
 pub(crate) const FILES: Bench = Bench {
     title: "How fast files are read and written",
     example: "io_table",

@@ -23,6 +23,9 @@ cargo xtask bench streamlines [--write]
 cargo xtask bench peers [--write] [MESH...]
                                     the same work by other libraries, those that are installed, see
                                     benches/peers; docs/performance-peers.md
+cargo xtask bench tessellation [--write]
+                                    many refinement steps at once, to the limit;
+                                    docs/performance-tessellation.md
 cargo xtask bench io [--write]      the same of every file format; docs/performance-io.md
 cargo xtask fuzz [SECONDS] [TARGET] every fuzz target, or one, for so long each [30]
 cargo xtask guide                   the pictures of the guide, anew
@@ -39,6 +42,8 @@ fn main() -> ExitCode {
         ["bench", "streamlines"] => bench::run(&bench::STREAMLINES, &[], false),
         ["bench", "streamlines", "--write"] => bench::run(&bench::STREAMLINES, &[], true),
         ["bench", "peers", rest @ ..] => bench::run_peers(rest),
+        ["bench", "tessellation"] => bench::run(&bench::TESSELLATION, &[], false),
+        ["bench", "tessellation", "--write"] => bench::run(&bench::TESSELLATION, &[], true),
         ["bench", "io"] => bench::run(&bench::FILES, &[], false),
         ["bench", "io", "--write"] => bench::run(&bench::FILES, &[], true),
         ["fuzz", rest @ ..] => fuzz::run(rest),

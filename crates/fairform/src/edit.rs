@@ -55,7 +55,7 @@ use part::Part;
 /// for _ in 0..10 {
 ///     editor.drag(&drag, Vec3::new(0.0, 0.0, 0.01));
 /// }
-/// assert!(editor.settle()? <= 1e-6 * target.bounds().diagonal());
+/// assert!(editor.settle()?.0 <= 1e-6 * target.bounds().diagonal());
 /// let surface = limit::limit_points(target.topology(), editor.control(), &Rules::LOOP)?;
 /// let moved = surface[7] - target.positions()[7];
 /// assert!((moved - Vec3::new(0.0, 0.0, 0.1)).length() < 1e-5);
