@@ -18,16 +18,16 @@ use meshes::Subject;
 use peers::{Peer, Run};
 
 /// Fewest turns, and how long a case is given more of them.
-const FEWEST: usize = 3;
-const ALLOWED: Duration = Duration::from_secs(5);
+const FEWEST: usize = 2;
+const ALLOWED: Duration = Duration::from_secs(2);
 
 /// Seconds that repeats in one process are to fill, and their most.
 const FILL: f64 = 0.3;
 const MOST_REPEATS: usize = 10;
 
 /// Seconds beyond which a peer is left out, judged by its last case, and beyond which it runs only once.
-const TOO_LONG: f64 = 30.0;
-const LONG: f64 = 4.0;
+const TOO_LONG: f64 = 4.0;
+const LONG: f64 = 1.5;
 
 /// What is to be done with a mesh.
 #[derive(Clone, Copy, PartialEq)]
