@@ -413,11 +413,12 @@ impl Patches {
     }
 
     fn fit(&self, level: Level, target: &[Vec3], exponent: i32, out: &mut [Vec3]) -> Distances {
-        const SMALL: usize = 1 << 12;
-        if self.list.iter().all(|patch| patch.vertices.len() <= SMALL) {
-            self.fit_with::<SMALL>(level, target, exponent, out)
-        } else {
-            self.fit_with::<{ 1 << 16 }>(level, target, exponent, out)
+        // Memory that is new costs more than the arithmetic on it: no more than is needed.
+        match self.list.iter().map(|patch| patch.vertices.len()).max().unwrap_or(0) {
+            0..=0x1000 => self.fit_with::<0x1000>(level, target, exponent, out),
+            0x1001..=0x4000 => self.fit_with::<0x4000>(level, target, exponent, out),
+            0x4001..=0x8000 => self.fit_with::<0x8000>(level, target, exponent, out),
+            _ => self.fit_with::<0x10000>(level, target, exponent, out),
         }
     }
 
@@ -443,7 +444,8 @@ impl Patches {
         let mut jobs: Vec<Vec<Job<'_, '_>>> = Vec::new();
         let parts = match par::part_count() {
             1 => 1,
-            threads => 8 * threads,
+            // Some may be held up by other work; each part needs memory of its own.
+            threads => 3 * threads,
         };
         let each = self.list.len().div_ceil(parts);
         for (i, job) in self.list.iter().zip(slices).enumerate() {

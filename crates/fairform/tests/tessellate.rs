@@ -479,3 +479,24 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn fields_are_surfaces_without_normals() {
+    let mesh = shapes::torus(6, 9);
+    for (scheme, levels) in [(Scheme::Loop, 0), (Scheme::Loop, 3), (Scheme::Butterfly, 1)] {
+        let rules = scheme.into();
+        for points in [Points::Control, Points::Limit] {
+            let all = Tessellation::new(mesh.topology(), &rules, levels, points).unwrap();
+            let field = all.field(mesh.positions()).unwrap();
+            assert_eq!(field.points(), all.surface(mesh.positions()).unwrap().points());
+        }
+    }
+}
+
+#[test]
+#[should_panic(expected = "no normals")]
+fn fields_have_no_normals() {
+    let mesh = shapes::octahedron();
+    let all = Tessellation::new(mesh.topology(), &Rules::LOOP, 2, Points::Limit).unwrap();
+    let _ = all.field(mesh.positions()).unwrap().points_and_normals();
+}

@@ -40,9 +40,9 @@ pub(crate) fn subjects(root: &Path, paths: &[PathBuf]) -> Vec<Subject> {
     };
     let mut subjects = vec![
         shape("sphere", sphere(5), 1..=4),
-        shape("torus", shapes::torus(400, 400), 1..=3),
+        shape("torus", shapes::torus(400, 400), 3..=3),
         shape("torus of quadrilaterals", quad_torus(100), 1..=4),
-        shape("large torus of quadrilaterals", quad_torus(400), 1..=3),
+        shape("large torus of quadrilaterals", quad_torus(400), 2..=2),
     ];
     let real: Vec<PathBuf> = match paths {
         [] => REAL.iter().map(|path| root.join(path)).collect(),

@@ -87,7 +87,11 @@ fn at_once<P: Point + Default + Clone + Into<Triple>>(task: &Task<'_>, laps: &mu
     let is_limit = task.how.starts_with("limit");
     let kind = if is_limit { Points::Limit } else { Points::Control };
     let all = Tessellation::new(mesh.topology(), &task.rules, task.levels, kind).expect("fits");
-    let surface = all.surface(mesh.positions()).expect("a surface");
+    let surface = match is_limit {
+        true => all.surface(mesh.positions()),
+        false => all.field(mesh.positions()),
+    }
+    .expect("a surface");
     let mut points = vec![P::default(); all.vertex_count()];
     let mut normals = if is_limit { points.clone() } else { Vec::new() };
     surface.fill(&mut points, is_limit.then_some(normals.as_mut_slice()));

@@ -109,11 +109,11 @@ impl<'t> Fine<'t> {
         progress: &'t Progress,
     ) -> Result<Self, Error> {
         let of = |field: &Option<Vec<Vec3>>| {
-            field.as_ref().map(|values| tessellation.surface(values)).transpose()
+            field.as_ref().map(|values| tessellation.field(values)).transpose()
         };
         let normals = match &surface.normals {
             _ if finish != Finish::Control => Normals::Limit,
-            Some(given) => Normals::Given(tessellation.surface(given)?),
+            Some(given) => Normals::Given(tessellation.field(given)?),
             None => Normals::None,
         };
         let base = tessellation.base();
@@ -134,7 +134,10 @@ impl<'t> Fine<'t> {
         Ok(Self {
             surface,
             tessellation,
-            positions: tessellation.surface(surface.mesh.positions())?,
+            positions: match &normals {
+                Normals::Limit => tessellation.surface(surface.mesh.positions())?,
+                _ => tessellation.field(surface.mesh.positions())?,
+            },
             normals,
             colours: of(&surface.colours)?,
             opacity: of(&surface.opacity)?,

@@ -27,6 +27,28 @@ pub(super) struct RestPoints {
     pub(super) normals: Vec<Vec3>,
 }
 
+impl RestPoints {
+    /// The points that the last of some steps made.
+    pub(super) fn new(
+        steps: &Steps,
+        values: Vec<Vec3>,
+        what: Points,
+        with_normals: bool,
+    ) -> Result<Self, Error> {
+        let (finest, rules) = (steps.topology(), steps.rules());
+        let normals = match with_normals {
+            true => limit::limit_normals(finest, &values, rules)?,
+            // Nobody looks at them.
+            false => alloc::vec![Vec3::ZERO; values.len()],
+        };
+        let positions = match what {
+            Points::Control => values,
+            Points::Limit => limit::limit_points(finest, &values, rules)?,
+        };
+        Ok(Self { positions, normals })
+    }
+}
+
 impl Rest {
     pub(super) fn new(
         gatherer: &mut Gatherer<'_>,
@@ -41,17 +63,16 @@ impl Rest {
         Ok(Self { faces, vertices, steps })
     }
 
-    /// The points at the finest level.
-    pub(super) fn apply(&self, points: &[Vec3], what: Points) -> Result<RestPoints, Error> {
+    /// The points at the finest level, and their normals if they are wanted.
+    pub(super) fn apply(
+        &self,
+        points: &[Vec3],
+        what: Points,
+        with_normals: bool,
+    ) -> Result<RestPoints, Error> {
         let values: Vec<Vec3> = self.vertices.iter().map(|&v| points[v as usize]).collect();
         let values = self.steps.apply(&values);
-        let (finest, rules) = (self.steps.topology(), self.steps.rules());
-        let normals = limit::limit_normals(finest, &values, rules)?;
-        let positions = match what {
-            Points::Control => values,
-            Points::Limit => limit::limit_points(finest, &values, rules)?,
-        };
-        Ok(RestPoints { positions, normals })
+        RestPoints::new(&self.steps, values, what, with_normals)
     }
 
     /// For each point of the grid of a face, its number among those points.

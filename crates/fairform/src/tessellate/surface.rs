@@ -25,6 +25,8 @@ pub struct Surface<'t> {
     points: Vec<Vec3>,
     /// Points that were made step by step.
     rest: Option<RestPoints>,
+    /// Whether normals may be asked for.
+    has_normals: bool,
 }
 
 /// Room for some points and, if they are wanted, normals.
@@ -66,14 +68,20 @@ impl<'t> Surface<'t> {
         tessellation: &'t Tessellation,
         points: Vec<Vec3>,
         rest: Option<RestPoints>,
+        has_normals: bool,
     ) -> Self {
-        Self { tessellation, points, rest }
+        Self { tessellation, points, rest, has_normals }
     }
 
     /// What it is a surface of.
     #[must_use]
     pub fn tessellation(&self) -> &'t Tessellation {
         self.tessellation
+    }
+
+    fn check_normals(&self, points: usize, normals: Option<usize>) {
+        assert!(normals.is_none_or(|count| count == points), "as many normals");
+        assert!(self.has_normals || normals.is_none(), "a field has no normals");
     }
 
     /// All points.
@@ -104,7 +112,7 @@ impl<'t> Surface<'t> {
         let all = self.tessellation;
         let base = all.base();
         assert_eq!(positions.len(), all.vertex_count(), "room for the points");
-        assert!(normals.as_ref().is_none_or(|n| n.len() == positions.len()), "as many normals");
+        self.check_normals(positions.len(), normals.as_ref().map(|n| n.len()));
         if let Some(squares) = &all.squares {
             return self.fill_all_squares(squares, Room { positions, normals });
         }
@@ -141,7 +149,7 @@ impl<'t> Surface<'t> {
             self.tessellation.numbers_of(part).len(),
             "room for the points"
         );
-        assert!(normals.as_ref().is_none_or(|n| n.len() == positions.len()), "as many normals");
+        self.check_normals(positions.len(), normals.as_ref().map(|n| n.len()));
         let room = Room { positions, normals };
         if let (Part::Vertices(vertices), Some(squares)) = (part, &self.tessellation.squares) {
             return self.fill_squares(squares, vertices.clone(), room);
@@ -186,7 +194,7 @@ impl<'t> Surface<'t> {
         normals: Option<&mut [N]>,
     ) {
         let all = self.tessellation;
-        assert!(normals.as_ref().is_none_or(|n| n.len() == positions.len()), "as many normals");
+        self.check_normals(positions.len(), normals.as_ref().map(|n| n.len()));
         let mut room = Room { positions, normals };
         for v in all.base().face_vertices(face).iter().map(|v| v.index()) {
             match &all.squares {
