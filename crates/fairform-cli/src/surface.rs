@@ -16,7 +16,8 @@ mod adaptive;
 mod fine;
 
 pub(crate) use adaptive::Nearness;
-pub(crate) use fine::Fine;
+use fine::Fine;
+pub(crate) use fine::Made;
 
 /// What is done to a surface that has been refined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -153,6 +153,11 @@ impl LabelBuilder {
     }
 }
 
+/// The bytes of colours, if all came from bytes.
+pub(crate) fn all_exact_bytes(colours: &[[f64; 4]]) -> Option<Vec<[u8; 4]>> {
+    colours.iter().map(exact_bytes).collect()
+}
+
 /// The bytes of a colour, if it came from bytes.
 pub(crate) fn exact_bytes(colour: &[f64; 4]) -> Option<[u8; 4]> {
     let mut bytes = [0; 4];

@@ -11,7 +11,9 @@ use std::ops::Range;
 
 use fairform::{Faces, Vec3};
 
-use crate::data::{MeshData, WriteOptions, exact_bytes, push_face, scale_large_colours};
+use crate::data::{
+    MeshData, WriteOptions, all_exact_bytes, exact_bytes, push_face, scale_large_colours,
+};
 use crate::error::{Error, ParseError, Place};
 use crate::format::{NORMALS_PER_CORNER, left_out};
 use crate::par;
@@ -333,10 +335,8 @@ pub(crate) fn encode_blocks(
     let as_bytes = blocks.all_colours(|c| exact_bytes(c).is_some())
         && !blocks.all_colours(|c| exact_bytes(c).is_none_or(|b| b.iter().all(|b| *b <= 1)));
     blocks.write_vertices(out, Attributes::of(shape), |data, out| {
-        let colours = data.colours.iter().flatten().filter(|_| as_bytes);
-        let bytes: Vec<[u8; 4]> = colours.filter_map(exact_bytes).collect();
-        let bytes = (as_bytes && data.colours.is_some()).then_some(bytes.as_slice());
-        vertex_rows(data, bytes, options.single_precision, 0..data.positions.len(), out);
+        let bytes = data.colours.as_deref().filter(|_| as_bytes).and_then(all_exact_bytes);
+        vertex_rows(data, bytes.as_deref(), options.single_precision, 0..data.positions.len(), out);
     })?;
     blocks.write_faces(out, |data, _, out| face_rows(data, 0..data.faces.len(), out))?;
     Ok(notes(shape))
@@ -413,7 +413,7 @@ fn face_rows(data: &MeshData, rows: Range<usize>, out: &mut Vec<u8>) {
 
 /// All colours as bytes, if they are some, and a reader can tell: one is above 1.
 fn byte_colours(colours: &[[f64; 4]]) -> Option<Vec<[u8; 4]>> {
-    let bytes: Vec<_> = colours.iter().map(exact_bytes).collect::<Option<_>>()?;
+    let bytes = all_exact_bytes(colours)?;
     bytes.iter().flatten().any(|b| *b > 1).then_some(bytes)
 }
 

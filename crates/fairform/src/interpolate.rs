@@ -384,7 +384,8 @@ impl<'t> Interpolator<'t> {
         Self::prepare(topology, rules, Some(positions))
     }
 
-    fn prepare(
+    /// [`new`](Self::new), or [`near`](Self::near) positions.
+    pub(crate) fn prepare(
         topology: &'t Topology,
         rules: &'t Rules,
         positions: Option<&[Vec3]>,

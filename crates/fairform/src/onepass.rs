@@ -22,7 +22,7 @@ use crate::limit;
 use crate::pushback::PushBack;
 use crate::refine::check_size;
 use crate::solve::chebyshev_steps;
-use crate::{HalfedgeId, Rules, Scheme, Topology, Vec3, par};
+use crate::{HalfedgeId, Rules, Scheme, Topology, Vec3, par, parted};
 
 mod cut;
 mod kernel;
@@ -31,7 +31,7 @@ mod patch;
 mod special;
 
 use cut::{Groups, Rings, Run};
-use kernel::{Distances, Kernel, Scratch, Sink};
+use kernel::{Distances, Kernel, Scratch, Sink, Task};
 use patch::{Maker, Numbers, Patch};
 use special::Special;
 
@@ -180,10 +180,7 @@ impl<'t> OnePass<'t> {
             Level::Control => None,
             Level::Finer => Some(PushBack::new(topology, rules)?),
         };
-        let interpolator = match positions {
-            Some(positions) => Interpolator::near(topology, rules, positions)?,
-            None => Interpolator::new(topology, rules)?,
-        };
+        let interpolator = Interpolator::prepare(topology, rules, positions)?;
         let finer = pushback.as_ref().map(|p| p.step().topology.vertex_count());
         Ok(Self {
             topology,
@@ -378,9 +375,7 @@ impl Patches {
         let points = Groups::new(count, &point_runs, point_count);
 
         let most = (most_copies * vertex_count as f64) as usize;
-        let parts = par::part_count().min(count);
-        let ranges = (0..parts).map(|i| i * count / parts..(i + 1) * count / parts).collect();
-        let made = par::map_parts(ranges, |range: core::ops::Range<usize>| {
+        let made = par::map_parts(parted::blocks(count), |range| {
             let mut numbers = Numbers::new(topology, maker.rules.scheme);
             let mut copies = 0;
             let mut patches = Vec::with_capacity(range.len());
@@ -460,13 +455,10 @@ impl Patches {
             let mut scratch = Scratch::<N>::new();
             jobs.into_iter().fold(Distances::default(), |distances, (patch, slices)| {
                 let mut sink = Sink::new(slices);
+                let task = Task { patch, target, scale };
                 let found = match level {
-                    Level::Control => {
-                        self.kernel.control(patch, &mut scratch, target, scale, &mut sink)
-                    }
-                    Level::Finer => {
-                        self.kernel.finer(patch, &mut scratch, target, scale, &mut sink)
-                    }
+                    Level::Control => self.kernel.control(task, &mut scratch, &mut sink),
+                    Level::Finer => self.kernel.finer(task, &mut scratch, &mut sink),
                 };
                 distances.plus(found)
             })

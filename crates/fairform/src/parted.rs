@@ -56,14 +56,8 @@ impl<T: Copy + Default + Send + Sync> Parted<T> {
 
     /// The parts, to change.
     pub(crate) fn parts_mut(&mut self) -> Vec<(usize, &mut [T])> {
-        let mut rest = self.items.as_mut_slice();
-        let mut parts = Vec::with_capacity(self.start.len());
-        for (part, w) in self.start.windows(2).enumerate() {
-            let (own, others) = rest.split_at_mut(w[1] - w[0]);
-            parts.push((part, own));
-            rest = others;
-        }
-        parts
+        let lengths = self.start.windows(2).map(|w| w[1] - w[0]);
+        par::cut(&mut self.items, lengths).into_iter().enumerate().collect()
     }
 
     /// The items of one part.
@@ -72,9 +66,9 @@ impl<T: Copy + Default + Send + Sync> Parted<T> {
     }
 }
 
-/// A few ranges of about one size that make up `0..len`.
+/// A few ranges of about one size that make up `0..len`, none of them empty.
 pub(crate) fn blocks(len: usize) -> Vec<Range<usize>> {
-    let count = par::part_count();
+    let count = par::part_count().min(len);
     (0..count).map(|b| len * b / count..len * (b + 1) / count).collect()
 }
 

@@ -44,6 +44,52 @@ enum Polygons {
     Varied { start: Vec<u32>, face: Vec<u32> },
 }
 
+impl Polygons {
+    #[inline]
+    fn range(&self, f: FaceId) -> (u32, u32) {
+        match self {
+            Self::Uniform { size } => (f.0 * size, (f.0 + 1) * size),
+            Self::Varied { start, .. } => (start[f.index()], start[f.index() + 1]),
+        }
+    }
+
+    #[inline]
+    fn face(&self, h: HalfedgeId) -> FaceId {
+        match self {
+            Self::Uniform { size: 3 } => FaceId(h.0 / 3),
+            Self::Uniform { size } => FaceId(h.0 / size),
+            Self::Varied { face, .. } => FaceId(face[h.index()]),
+        }
+    }
+
+    #[inline]
+    fn next(&self, h: HalfedgeId) -> HalfedgeId {
+        match self {
+            // A constant divisor is several times faster, and triangles are the common case.
+            Self::Uniform { size: 3 } => HalfedgeId(if h.0 % 3 == 2 { h.0 - 2 } else { h.0 + 1 }),
+            Self::Uniform { size: 4 } => HalfedgeId((h.0 & !3) | ((h.0 + 1) & 3)),
+            _ => {
+                let (start, end) = self.range(self.face(h));
+                HalfedgeId(if h.0 + 1 == end { start } else { h.0 + 1 })
+            }
+        }
+    }
+
+    #[inline]
+    fn prev(&self, h: HalfedgeId) -> HalfedgeId {
+        match self {
+            Self::Uniform { size: 3 } => {
+                HalfedgeId(if h.0.is_multiple_of(3) { h.0 + 2 } else { h.0 - 1 })
+            }
+            Self::Uniform { size: 4 } => HalfedgeId((h.0 & !3) | (h.0.wrapping_sub(1) & 3)),
+            _ => {
+                let (start, end) = self.range(self.face(h));
+                HalfedgeId(if h.0 == start { end - 1 } else { h.0 - 1 })
+            }
+        }
+    }
+}
+
 /// The index arrays of a topology that is known to be consistent, for [`Topology::from_parts`].
 pub(crate) struct Triangles {
     pub(crate) origin: Vec<u32>,
@@ -160,10 +206,7 @@ impl Topology {
     }
 
     fn face_range(&self, f: FaceId) -> (u32, u32) {
-        match &self.polygons {
-            Polygons::Uniform { size } => (f.0 * size, (f.0 + 1) * size),
-            Polygons::Varied { start, .. } => (start[f.index()], start[f.index() + 1]),
-        }
+        self.polygons.range(f)
     }
 
     /// The faces as a plain list.
@@ -228,44 +271,21 @@ impl Topology {
     #[must_use]
     #[inline]
     pub fn face(&self, h: HalfedgeId) -> FaceId {
-        match &self.polygons {
-            Polygons::Uniform { size: 3 } => FaceId(h.0 / 3),
-            Polygons::Uniform { size } => FaceId(h.0 / size),
-            Polygons::Varied { face, .. } => FaceId(face[h.index()]),
-        }
+        self.polygons.face(h)
     }
 
     /// The next half-edge around the face.
     #[must_use]
     #[inline]
     pub fn next(&self, h: HalfedgeId) -> HalfedgeId {
-        match &self.polygons {
-            // A constant divisor is several times faster, and triangles are the common case.
-            Polygons::Uniform { size: 3 } => {
-                HalfedgeId(if h.0 % 3 == 2 { h.0 - 2 } else { h.0 + 1 })
-            }
-            Polygons::Uniform { size: 4 } => HalfedgeId((h.0 & !3) | ((h.0 + 1) & 3)),
-            _ => {
-                let (start, end) = self.face_range(self.face(h));
-                HalfedgeId(if h.0 + 1 == end { start } else { h.0 + 1 })
-            }
-        }
+        self.polygons.next(h)
     }
 
     /// The previous half-edge around the face.
     #[must_use]
     #[inline]
     pub fn prev(&self, h: HalfedgeId) -> HalfedgeId {
-        match &self.polygons {
-            Polygons::Uniform { size: 3 } => {
-                HalfedgeId(if h.0.is_multiple_of(3) { h.0 + 2 } else { h.0 - 1 })
-            }
-            Polygons::Uniform { size: 4 } => HalfedgeId((h.0 & !3) | (h.0.wrapping_sub(1) & 3)),
-            _ => {
-                let (start, end) = self.face_range(self.face(h));
-                HalfedgeId(if h.0 == start { end - 1 } else { h.0 - 1 })
-            }
-        }
+        self.polygons.prev(h)
     }
 
     /// A half-edge from `v`: on the boundary the clockwise-most one, which has no twin, otherwise

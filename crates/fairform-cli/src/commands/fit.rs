@@ -19,7 +19,7 @@ use crate::failure::Failure;
 use crate::input::{self, Source};
 use crate::rules;
 use crate::steps;
-use crate::surface::{Fine, Finish, Stored, Surface, check_memory};
+use crate::surface::{Finish, Made, Surface, check_memory};
 
 /// The sample that is fitted when there is no input.
 const SAMPLE: &[u8] = include_bytes!("../../../../data/sample/spot.obj");
@@ -50,10 +50,7 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
     let streams = |surface: &Surface, levels| {
         args.output.is_some() && surface.can_stream(levels, finish, &output, &args.writing)
     };
-    let stored = match streams(&target, args.levels) {
-        true => Stored::Base,
-        false => target.stored(args.levels, finish),
-    };
+    let stored = target.stored(args.levels, finish, streams(&target, args.levels));
     check_memory(&target, args.levels, stored, &source)?;
     target.warn_of_losses(args.levels, console);
     target.warn_of_no_faces(&source, console);
@@ -81,26 +78,14 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
         true => Some(control.tessellation(levels, finish).map_err(at)?),
         false => None,
     };
-    let made = match &tessellation {
-        Some(tessellation) => {
-            Made::Meanwhile(Fine::new(&control, tessellation, finish, &progress).map_err(at)?)
-        }
-        None if levels == 0 && finish != Finish::Limit => {
-            let mut control = control.clone();
-            if finish == Finish::LimitNormals {
-                control.limit_normals().map_err(at)?;
-            }
-            Made::Whole(control.into_control())
-        }
-        None => Made::Whole(control.refined(levels, finish, &progress, None).map_err(at)?),
-    };
+    let made = control.made(levels, finish, tessellation.as_ref(), &progress).map_err(at)?;
     clock.lap("refine");
 
     progress.say("writing");
     if let Some(path) = &args.control {
         input::write(path, &args.writing, &control.clone().into_control(), console)?;
     }
-    let counts = made.write(&output, args, console)?;
+    let counts = made.write(&output, &args.writing, console)?;
     if let (None, Made::Whole(data)) = (&args.output, &made) {
         input::save(Path::new(SAMPLE_PICTURE), &picture(&target.mesh, data)?)?;
     }
@@ -127,34 +112,6 @@ fn finish(args: &Fit, target: &Surface) -> Finish {
         true => Finish::Limit,
         false if target.normals.is_some() => Finish::LimitNormals,
         false => Finish::Control,
-    }
-}
-
-/// The surface that is written.
-enum Made<'a> {
-    Whole(MeshData),
-    /// While it is written.
-    Meanwhile(Fine<'a>),
-}
-
-impl Made<'_> {
-    /// Tells how many vertices and faces were written.
-    fn write(
-        &self,
-        output: &Path,
-        args: &Fit,
-        console: &Console,
-    ) -> Result<(usize, usize), Failure> {
-        match self {
-            Self::Whole(data) => {
-                input::write(output, &args.writing, data, console)?;
-                Ok((data.positions.len(), data.faces.len()))
-            }
-            Self::Meanwhile(fine) => {
-                input::write_blocks(output, &args.writing, fine, console)?;
-                Ok((fine.vertex_count(), fine.face_count()))
-            }
-        }
     }
 }
 

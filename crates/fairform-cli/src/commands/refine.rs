@@ -9,7 +9,7 @@ use crate::console::{Console, count};
 use crate::failure::Failure;
 use crate::input::{self, Source};
 use crate::rules;
-use crate::surface::{Fine, Finish, Nearness, Stored, Surface, check_memory};
+use crate::surface::{Finish, Nearness, Stored, Surface, check_memory};
 
 pub(crate) fn run(args: &Refine, console: &Console) -> Result<ExitCode, Failure> {
     input::check_mesh(&args.output, &args.writing)?;
@@ -24,27 +24,18 @@ pub(crate) fn run(args: &Refine, console: &Console) -> Result<ExitCode, Failure>
     }
     let finish = if args.limit { Finish::Limit } else { Finish::Control };
     let streams = surface.can_stream(args.levels, finish, &args.output, &args.writing);
-    let stored = if streams { Stored::Base } else { surface.stored(args.levels, finish) };
+    let stored = surface.stored(args.levels, finish, streams);
     check_memory(&surface, args.levels, stored, &source)?;
     let at = |e| surface.failure(&source, &e);
     let progress = console.progress();
-    let (vertices, faces) = if streams {
-        progress.say("refining");
-        let tessellation = surface.tessellation(args.levels, finish).map_err(at)?;
-        let fine = Fine::new(&surface, &tessellation, finish, &progress).map_err(at)?;
-        input::write_blocks(&args.output, &args.writing, &fine, console)?;
-        (fine.vertex_count(), fine.face_count())
-    } else {
-        let is_control = args.levels == 0 && !args.limit;
-        let data = if is_control {
-            surface.clone().into_control()
-        } else {
-            surface.refined(args.levels, finish, &progress, None).map_err(at)?
-        };
-        progress.say("writing");
-        input::write(&args.output, &args.writing, &data, console)?;
-        (data.positions.len(), data.faces.len())
+    progress.say("refining");
+    let tessellation = match streams {
+        true => Some(surface.tessellation(args.levels, finish).map_err(at)?),
+        false => None,
     };
+    let made = surface.made(args.levels, finish, tessellation.as_ref(), &progress).map_err(at)?;
+    progress.say("writing");
+    let (vertices, faces) = made.write(&args.output, &args.writing, console)?;
     drop(progress);
     console.detail(format!("{} vertices, {} faces", count(vertices), count(faces)));
     console.result(&json!({ "vertices": vertices, "faces": faces }))?;

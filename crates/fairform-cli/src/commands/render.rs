@@ -98,7 +98,7 @@ fn surface_of(
     let levels = args.levels.unwrap_or(3);
     let mut surface = Surface::new(data, source)?;
     rules::set(scheme, &args.rules, &mut surface, console)?;
-    check_memory(&surface, levels, surface.stored(levels, Finish::Limit), source)?;
+    check_memory(&surface, levels, surface.stored(levels, Finish::Limit, false), source)?;
     let at = |e| surface.failure(source, &e);
     let progress = console.progress();
     let (control, levels) = if args.fit {

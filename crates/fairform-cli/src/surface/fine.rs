@@ -9,7 +9,8 @@ use fairform_io::{Attributes, Blocks, Labels, MeshData, Patch, Shape};
 
 use super::{Finish, Stored, Surface, colours_of};
 use crate::args::Writing;
-use crate::console::{Progress, count};
+use crate::console::{Console, Progress, count};
+use crate::failure::Failure;
 use crate::input;
 
 /// Faces of the base up to which no more steps are made at once than is fastest: it takes some hundred
@@ -38,6 +39,34 @@ pub(crate) struct Fine<'t> {
     /// Faces of the base, or places in `shown`, that make a block.
     face_blocks: Vec<Range<usize>>,
     progress: &'t Progress,
+}
+
+/// A surface to be written.
+pub(crate) enum Made<'a> {
+    Whole(MeshData),
+    /// While it is written.
+    Meanwhile(Fine<'a>),
+}
+
+impl Made<'_> {
+    /// Tells how many vertices and faces were written.
+    pub(crate) fn write(
+        &self,
+        output: &Path,
+        writing: &Writing,
+        console: &Console,
+    ) -> Result<(usize, usize), Failure> {
+        match self {
+            Self::Whole(data) => {
+                input::write(output, writing, data, console)?;
+                Ok((data.positions.len(), data.faces.len()))
+            }
+            Self::Meanwhile(fine) => {
+                input::write_blocks(output, writing, fine, console)?;
+                Ok((fine.vertex_count(), fine.face_count()))
+            }
+        }
+    }
 }
 
 /// What normals there are.
@@ -73,9 +102,34 @@ impl Surface {
             && input::can_stream(output, writing, &self.fine_shape(finish))
     }
 
-    /// What is in memory until [`refined`](Self::refined) is done.
-    pub(crate) fn stored(&self, levels: u32, finish: Finish) -> Stored {
-        if self.goes_at_once(levels, finish) { Stored::Result } else { Stored::Steps }
+    /// What is in memory until the refined surface is written, while it is made or afterwards.
+    pub(crate) fn stored(&self, levels: u32, finish: Finish, streams: bool) -> Stored {
+        match (streams, self.goes_at_once(levels, finish)) {
+            (true, _) => Stored::Base,
+            (false, true) => Stored::Result,
+            (false, false) => Stored::Steps,
+        }
+    }
+
+    /// What is to be written: made in the writing where there is a tessellation for that.
+    pub(crate) fn made<'a>(
+        &'a self,
+        levels: u32,
+        finish: Finish,
+        tessellation: Option<&'a Tessellation>,
+        progress: &'a Progress,
+    ) -> Result<Made<'a>, Error> {
+        if let Some(tessellation) = tessellation {
+            return Ok(Made::Meanwhile(Fine::new(self, tessellation, finish, progress)?));
+        }
+        if levels > 0 || finish == Finish::Limit {
+            return Ok(Made::Whole(self.refined(levels, finish, progress, None)?));
+        }
+        let mut control = self.clone();
+        if finish == Finish::LimitNormals {
+            control.limit_normals()?;
+        }
+        Ok(Made::Whole(control.into_control()))
     }
 
     /// The steps, for [`Fine::new`].

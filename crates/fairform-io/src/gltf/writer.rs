@@ -8,7 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 use fairform::{Bounds, Vec3};
 use serde_json::{Value, json};
 
-use crate::data::{MeshData, exact_bytes};
+use crate::data::{MeshData, all_exact_bytes, exact_bytes};
 use crate::error::Error;
 use crate::format::{NORMALS_PER_CORNER, left_out};
 use crate::par;
@@ -69,8 +69,7 @@ pub(crate) fn encode(
     if !data.positions.is_empty() {
         let bounds =
             par::map(data.positions.chunks(ROWS), |block| Bounds::of(block.iter().copied()));
-        let colours = data.colours.as_ref();
-        let bytes: Option<Vec<[u8; 4]>> = colours.and_then(|c| c.iter().map(exact_bytes).collect());
+        let bytes = data.colours.as_deref().and_then(all_exact_bytes);
         let mut buffer = Buffer::default();
         let attributes = describe_attributes(&shape, &union(bounds), bytes.is_some(), &mut buffer);
         parts.push(floats::<3>(bytemuck::cast_slice(&data.positions)));

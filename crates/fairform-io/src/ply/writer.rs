@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::ops::Range;
 
-use crate::data::{MeshData, WriteOptions, exact_bytes};
+use crate::data::{MeshData, WriteOptions, all_exact_bytes, exact_bytes};
 use crate::error::Error;
 use crate::format::{NORMALS_PER_CORNER, left_out};
 use crate::par;
@@ -85,10 +85,7 @@ pub(crate) fn encode(
     out: &mut dyn Write,
 ) -> Result<Vec<String>, Error> {
     let shape = Shape::of(data);
-    let bytes = data
-        .colours
-        .as_ref()
-        .and_then(|colours| colours.iter().map(exact_bytes).collect::<Option<Vec<_>>>());
+    let bytes = data.colours.as_deref().and_then(all_exact_bytes);
     write_header(&shape, bytes.is_some(), options, out)?;
     par::write_rows(out, shape.vertex_count, ROWS, |rows, out| {
         vertex_rows(data, bytes.as_deref(), rows, &mut RowWriter::new(options, out));
@@ -109,11 +106,9 @@ pub(crate) fn encode_blocks(
     let as_bytes = blocks.all_colours(|c| exact_bytes(c).is_some());
     write_header(shape, as_bytes, options, out)?;
     blocks.write_vertices(out, Attributes::of(shape), |data, out| {
-        let colours = data.colours.iter().flatten().filter(|_| as_bytes);
-        let bytes: Vec<[u8; 4]> = colours.filter_map(exact_bytes).collect();
-        let bytes = (as_bytes && data.colours.is_some()).then_some(bytes.as_slice());
+        let bytes = data.colours.as_deref().filter(|_| as_bytes).and_then(all_exact_bytes);
         let rows = 0..data.positions.len();
-        vertex_rows(data, bytes, rows, &mut RowWriter::new(options, out));
+        vertex_rows(data, bytes.as_deref(), rows, &mut RowWriter::new(options, out));
     })?;
     blocks.write_faces(out, |data, _, out| {
         let rows = 0..data.faces.len();

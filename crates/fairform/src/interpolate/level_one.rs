@@ -389,9 +389,7 @@ impl<'t> Interpolator<'t> {
             }
             let solve =
                 Report { history: [step].into(), outcome: Outcome::CountReached, predicted: None };
-            let used = self.topology.vertex_count() - self.topology.isolated_count();
-            let stage = StageReport { name: StageName::Whole, vertex_count: used, solve };
-            let stages = [stage].into();
+            let stages = [self.whole_stage(solve)].into();
             return Ok(Some(Passed { finer, pushed_back: largest, stages }));
         }
     }

@@ -102,11 +102,15 @@ impl Interpolator<'_> {
         };
         let history = if steps == 0 { [first].into() } else { [first, last].into() };
         let solve = Report { history, outcome, predicted: needed };
-        let used = self.topology.vertex_count() - self.topology.isolated_count();
-        let stage = StageReport { name: StageName::Whole, vertex_count: used, solve };
-        let mut report = self.report(&scaled, &limit, [stage].into());
+        let mut report = self.report(&scaled, &limit, [self.whole_stage(solve)].into());
         report.certificate = Some(certificate);
         Ok((scaled.back(&control), report))
+    }
+
+    /// What was done for all vertices at once.
+    pub(super) fn whole_stage(&self, solve: Report) -> StageReport {
+        let vertex_count = self.topology.vertex_count() - self.topology.isolated_count();
+        StageReport { name: StageName::Whole, vertex_count, solve }
     }
 
     fn step(&self, scaled: &Scaled, limit: &[Vec3], updates: u32) -> Step {

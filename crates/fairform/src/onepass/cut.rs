@@ -16,15 +16,11 @@ pub(super) struct Rings {
 impl Rings {
     pub(super) fn new(topology: &Topology) -> Self {
         let count = topology.vertex_count();
-        let mut start = Vec::with_capacity(count + 1);
-        let mut end = 0;
-        start.push(end);
-        start.extend(topology.vertices().map(|v| {
-            end += topology.valence(v);
-            end
-        }));
-        let mut neighbour = alloc::vec![0; end as usize];
-        let mut nothing = alloc::vec![(); end as usize];
+        let valence = |v: usize| topology.valence(VertexId(v as u32));
+        let start = par::starts(count, valence).expect("half-edges can be numbered");
+        let end = start[count] as usize;
+        let mut neighbour = alloc::vec![0; end];
+        let mut nothing = alloc::vec![(); end];
         par::fill_row_blocks(&start, &mut neighbour, &mut nothing, &|rows, block, _: &mut [()]| {
             topology.rings(rows.map(|v| VertexId(v as u32)), block);
         });

@@ -29,6 +29,23 @@ pub(super) struct Kernel {
 /// Weights that a valence indexes without looking.
 type Weights<R> = Box<[[R; 3]; 256]>;
 
+/// A patch and what it is to meet.
+#[derive(Clone, Copy)]
+pub(super) struct Task<'a> {
+    pub(super) patch: &'a Patch,
+    pub(super) target: &'a [Vec3],
+    /// The first takes residuals to where `f32` can hold them, the second takes corrections back.
+    pub(super) scale: [f64; 2],
+}
+
+impl Task<'_> {
+    /// Where the limit point of a vertex is to be.
+    #[inline(always)]
+    fn goal(&self, i: usize) -> [f64; 4] {
+        lanes(self.target[self.patch.vertices[i] as usize])
+    }
+}
+
 /// Values of one patch at a time.
 pub(super) struct Scratch<const N: usize> {
     /// Vertices to be met, then control points.
@@ -159,36 +176,29 @@ impl Kernel {
     /// Level 0: control points. Returns the distances of their limit points from the vertices.
     pub(super) fn control<const N: usize>(
         &self,
-        patch: &Patch,
+        task: Task<'_>,
         scratch: &mut Scratch<N>,
-        target: &[Vec3],
-        scale: [f64; 2],
         out: &mut Sink<'_>,
     ) -> Distances {
         match self.scheme {
-            Scheme::Loop => self.control_of::<LOOP, N>(patch, scratch, target, scale, out),
-            Scheme::CatmullClark => {
-                self.control_of::<CATMULL_CLARK, N>(patch, scratch, target, scale, out)
-            }
-            _ => self.control_of::<DOO_SABIN, N>(patch, scratch, target, scale, out),
+            Scheme::Loop => self.control_of::<LOOP, N>(task, scratch, out),
+            Scheme::CatmullClark => self.control_of::<CATMULL_CLARK, N>(task, scratch, out),
+            _ => self.control_of::<DOO_SABIN, N>(task, scratch, out),
         }
     }
 
     fn control_of<const SCHEME: u8, const N: usize>(
         &self,
-        patch: &Patch,
+        task: Task<'_>,
         scratch: &mut Scratch<N>,
-        target: &[Vec3],
-        scale: [f64; 2],
         out: &mut Sink<'_>,
     ) -> Distances {
-        self.solve::<SCHEME, N>(patch, scratch, target, scale);
+        self.solve::<SCHEME, N>(task, scratch);
         let Scratch { x, face, .. } = scratch;
         let mut distances = Distances::default();
-        let vertices = &patch.vertices;
-        self.visit::<SCHEME, N, _>(patch, 0, x, face, |i, sums| {
-            let limit = Self::whole::<SCHEME, _>(&self.weights, patch, i, x[i], &sums);
-            distances.add(minus(lanes(target[vertices[i] as usize]), limit));
+        self.visit::<SCHEME, N, _>(task.patch, 0, x, face, |i, sums| {
+            let limit = Self::whole::<SCHEME, _>(&self.weights, task.patch, i, x[i], &sums);
+            distances.add(minus(task.goal(i), limit));
             out.push(x[i]);
         });
         distances
@@ -197,74 +207,41 @@ impl Kernel {
     /// Level 1: finer values whose limit points are the vertices. Returns how far they had to be moved.
     pub(super) fn finer<const N: usize>(
         &self,
-        patch: &Patch,
+        task: Task<'_>,
         scratch: &mut Scratch<N>,
-        target: &[Vec3],
-        scale: [f64; 2],
         out: &mut Sink<'_>,
     ) -> Distances {
         match self.scheme {
-            Scheme::Loop => self.loop_finer(patch, scratch, target, scale, out),
-            Scheme::CatmullClark => self.catmull_clark_finer(patch, scratch, target, scale, out),
-            _ => self.doo_sabin_finer(patch, scratch, target, scale, out),
+            Scheme::Loop => self.primal_finer::<LOOP, N>(task, scratch, out),
+            Scheme::CatmullClark => self.primal_finer::<CATMULL_CLARK, N>(task, scratch, out),
+            _ => self.doo_sabin_finer(task, scratch, out),
         }
     }
 
-    fn loop_finer<const N: usize>(
+    /// Where vertices stay vertices: these, then the points on edges and those in faces.
+    fn primal_finer<const SCHEME: u8, const N: usize>(
         &self,
-        patch: &Patch,
+        task: Task<'_>,
         scratch: &mut Scratch<N>,
-        target: &[Vec3],
-        scale: [f64; 2],
         out: &mut Sink<'_>,
     ) -> Distances {
-        self.solve::<LOOP, N>(patch, scratch, target, scale);
+        self.solve::<SCHEME, N>(task, scratch);
+        let patch = task.patch;
         let Scratch { x, face, .. } = scratch;
         let mut distances = Distances::default();
         let mut made = MadeRows::new(&patch.made);
-        self.visit::<LOOP, N, _>(patch, 0, x, face, |i, sums| {
-            let goal = lanes(target[patch.vertices[i] as usize]);
-            let limit = Self::whole::<LOOP, _>(&self.weights, patch, i, x[i], &sums);
+        self.visit::<SCHEME, N, _>(patch, 0, x, face, |i, sums| {
+            let goal = task.goal(i);
+            let limit = Self::whole::<SCHEME, _>(&self.weights, patch, i, x[i], &sums);
             distances.add(minus(goal, limit));
             out.push(match sums {
                 Sums::Whole(_) => made.next(goal, x),
-                Sums::Smooth { n, .. } => {
+                Sums::Smooth { n, .. } if SCHEME == LOOP => {
                     // The mean of the points on the edges is 3/8 x + 5/8 of the mean of the ring.
                     let own = self.weights[usize::from(n)][0];
                     let rest = x[i].times(0.375 - own).plus(limit.times(0.625));
                     minus(goal, rest).times(1.0 / own)
                 }
-            });
-        });
-        for &[a, b, c, d] in &patch.edges {
-            out.push(if a == WRITTEN {
-                made.next([0.0; 4], x)
-            } else {
-                let [a, b, c, d] = [a, b, c, d].map(|q| x[usize::from(q) % N]);
-                a.plus(b).times(0.375).plus(c.plus(d).times(0.125))
-            });
-        }
-        distances
-    }
-
-    fn catmull_clark_finer<const N: usize>(
-        &self,
-        patch: &Patch,
-        scratch: &mut Scratch<N>,
-        target: &[Vec3],
-        scale: [f64; 2],
-        out: &mut Sink<'_>,
-    ) -> Distances {
-        self.solve::<CATMULL_CLARK, N>(patch, scratch, target, scale);
-        let Scratch { x, face, .. } = scratch;
-        let mut distances = Distances::default();
-        let mut made = MadeRows::new(&patch.made);
-        self.visit::<CATMULL_CLARK, N, _>(patch, 0, x, face, |i, sums| {
-            let goal = lanes(target[patch.vertices[i] as usize]);
-            let limit = Self::whole::<CATMULL_CLARK, _>(&self.weights, patch, i, x[i], &sums);
-            distances.add(minus(goal, limit));
-            out.push(match sums {
-                Sums::Whole(_) => made.next(goal, x),
                 Sums::Smooth { n, ring, faces } => {
                     // Four times the points on the edges and those in the faces.
                     let n = f64::from(n);
@@ -273,13 +250,18 @@ impl Kernel {
                 }
             });
         });
-        for &[a, b, f, g] in &patch.edges {
+        for &[a, b, c, d] in &patch.edges {
             out.push(if a == WRITTEN {
                 made.next([0.0; 4], x)
             } else {
                 let [a, b] = [a, b].map(|q| x[usize::from(q) % N]);
-                let [f, g] = [f, g].map(|f| face[usize::from(f)]);
-                a.plus(b).plus(f.plus(g)).times(0.25)
+                if SCHEME == LOOP {
+                    let [c, d] = [c, d].map(|q| x[usize::from(q) % N]);
+                    a.plus(b).times(0.375).plus(c.plus(d).times(0.125))
+                } else {
+                    let [f, g] = [c, d].map(|f| face[usize::from(f)]);
+                    a.plus(b).plus(f.plus(g)).times(0.25)
+                }
             });
         }
         for &f in &patch.points {
@@ -290,20 +272,18 @@ impl Kernel {
 
     fn doo_sabin_finer<const N: usize>(
         &self,
-        patch: &Patch,
+        task: Task<'_>,
         scratch: &mut Scratch<N>,
-        target: &[Vec3],
-        scale: [f64; 2],
         out: &mut Sink<'_>,
     ) -> Distances {
-        self.solve::<DOO_SABIN, N>(patch, scratch, target, scale);
+        self.solve::<DOO_SABIN, N>(task, scratch);
+        let patch = task.patch;
         let Scratch { x, face, left, .. } = scratch;
         let mut distances = Distances::default();
         left.clear();
         self.visit::<DOO_SABIN, N, _>(patch, 0, x, face, |i, sums| {
-            let goal = lanes(target[patch.vertices[i] as usize]);
-            let rest =
-                minus(goal, Self::whole::<DOO_SABIN, _>(&self.weights, patch, i, x[i], &sums));
+            let limit = Self::whole::<DOO_SABIN, _>(&self.weights, patch, i, x[i], &sums);
+            let rest = minus(task.goal(i), limit);
             distances.add(rest);
             left.push(rest);
         });
@@ -311,7 +291,7 @@ impl Kernel {
         for &[v, f] in &patch.images {
             let (v, f) = (usize::from(v) % N, usize::from(f));
             out.push(if f == usize::from(WRITTEN) {
-                made.next(lanes(target[patch.vertices[v] as usize]), x)
+                made.next(task.goal(v), x)
             } else {
                 x[v].times(patch.faces.lambda[f]).plus(face[f]).plus(left[v])
             });
@@ -340,15 +320,9 @@ impl Kernel {
         }
     }
 
-    /// Control points at the vertices that a patch owns and one ring around, into `x`. The first of
-    /// `scale` takes residuals to where `f32` can hold them, the second takes corrections back.
-    fn solve<const SCHEME: u8, const N: usize>(
-        &self,
-        patch: &Patch,
-        scratch: &mut Scratch<N>,
-        target: &[Vec3],
-        scale: [f64; 2],
-    ) {
+    /// Control points at the vertices that a patch owns and one ring around, into `x`.
+    fn solve<const SCHEME: u8, const N: usize>(&self, task: Task<'_>, scratch: &mut Scratch<N>) {
+        let Task { patch, target, scale } = task;
         let Scratch { x, face, residual, now, other, face32, .. } = scratch;
         if SCHEME != LOOP {
             let count = patch.faces.size.len();

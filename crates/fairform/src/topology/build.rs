@@ -10,7 +10,7 @@ use super::rings::TOGETHER;
 use super::{MAX_HALFEDGES, Polygons, Topology, partition};
 use crate::error::{Defect, Defects, Error};
 use crate::faces::uniform_size;
-use crate::ids::{FaceId, NONE, VertexId};
+use crate::ids::{FaceId, HalfedgeId, NONE, VertexId};
 use crate::{Faces, par};
 
 impl Topology {
@@ -38,7 +38,11 @@ impl Topology {
         let soup =
             Soup { vertex_count, faces, polygons: Polygons::from_starts(faces.starts()), sound };
 
-        let twin = soup.paired().unwrap_or_else(|| {
+        // By streams where that is the faster way.
+        let is_scattered = soup.is_scattered();
+        let halfedge_count = faces.corners().len();
+        let paired = || partition::twins(vertex_count, halfedge_count, |h| soup.ends(h));
+        let twin = is_scattered.then(paired).flatten().unwrap_or_else(|| {
             let buckets = Buckets::new(&soup);
             if soup.sound.is_empty() && buckets.are_sound() {
                 return soup.twins(&buckets);
@@ -48,7 +52,9 @@ impl Topology {
             soup.twins_where_sound(&buckets)
         });
 
-        let fans = soup.is_scattered().then(|| soup.fans_by_parts(&twin));
+        let prev = |h: usize| soup.polygons.prev(HalfedgeId(h as u32)).index();
+        let fans =
+            is_scattered.then(|| partition::fans(vertex_count, faces.corners(), &twin, prev));
         let is_whole = defects.is_empty() && fans.as_ref().is_some_and(|fans| !fans.is_any_split);
         let (outgoing, fan) =
             fans.map_or_else(|| soup.fans(&twin), |fans| (fans.outgoing, fans.size));
@@ -110,7 +116,7 @@ impl Topology {
             }
             while !walks.is_empty() {
                 walks.retain_mut(|(v, at, seen)| {
-                    *at = self.twin[self.prev(crate::HalfedgeId(*at)).index()];
+                    *at = self.twin[self.prev(HalfedgeId(*at)).index()];
                     *seen += 1;
                     let is_round = *at == NONE || *at == self.outgoing[*v];
                     let is_all = *seen == self.fan[*v];
@@ -279,13 +285,6 @@ impl Polygons {
 }
 
 impl Soup<'_> {
-    fn face_of(&self, h: usize) -> FaceId {
-        match &self.polygons {
-            Polygons::Uniform { size } => FaceId(h as u32 / size),
-            Polygons::Varied { face, .. } => FaceId(face[h]),
-        }
-    }
-
     fn are_triangles(&self) -> bool {
         matches!(self.polygons, Polygons::Uniform { size: 3 })
     }
@@ -324,39 +323,17 @@ impl Soup<'_> {
             && partition::is_scattered(|f| corners[starts[f] as usize], self.faces.len())
     }
 
-    /// The twin of every half-edge by streams, where that is the faster way and all edges are sound.
-    fn paired(&self) -> Option<Vec<u32>> {
-        if !self.is_scattered() {
-            return None;
-        }
+    /// Where a half-edge begins and ends.
+    fn ends(&self, h: usize) -> (u32, u32) {
         let corners = self.faces.corners();
-        if self.are_triangles() {
-            return partition::twins(self.vertex_count, corners.len(), |h| {
-                (corners[h], corners[if h % 3 == 2 { h - 2 } else { h + 1 }])
-            });
-        }
-        let starts = self.faces.starts();
-        partition::twins(self.vertex_count, corners.len(), |h| {
-            let f = self.face_of(h).index();
-            let next = if h + 1 == starts[f + 1] as usize { starts[f] as usize } else { h + 1 };
-            (corners[h], corners[next])
-        })
+        (corners[h], corners[self.polygons.next(HalfedgeId(h as u32)).index()])
     }
 
     /// The twin of every half-edge, all edges being sound.
     fn twins(&self, buckets: &Buckets) -> Vec<u32> {
-        let corners = self.faces.corners();
-        if self.are_triangles() {
-            return par::collect(corners.len(), |h| {
-                let next = if h % 3 == 2 { h - 2 } else { h + 1 };
-                buckets.twin(h as u32, corners[h], corners[next])
-            });
-        }
-        let starts = self.faces.starts();
-        par::collect(corners.len(), |h| {
-            let f = self.face_of(h).index();
-            let next = if h + 1 == starts[f + 1] as usize { starts[f] as usize } else { h + 1 };
-            buckets.twin(h as u32, corners[h], corners[next])
+        par::collect(self.faces.corners().len(), |h| {
+            let (from, to) = self.ends(h);
+            buckets.twin(h as u32, from, to)
         })
     }
 
@@ -387,20 +364,6 @@ impl Soup<'_> {
             }
         });
         (outgoing, fan)
-    }
-
-    /// [`fans`](Self::fans) by streams, and whether they are all there is at their vertices.
-    fn fans_by_parts(&self, twin: &[u32]) -> partition::Fans {
-        let corners = self.faces.corners();
-        if self.are_triangles() {
-            let prev = |h: usize| if h.is_multiple_of(3) { h + 2 } else { h - 1 };
-            return partition::fans(self.vertex_count, corners, twin, prev);
-        }
-        let starts = self.faces.starts();
-        partition::fans(self.vertex_count, corners, twin, |h| {
-            let f = self.face_of(h).index();
-            if h == starts[f] as usize { starts[f + 1] as usize - 1 } else { h - 1 }
-        })
     }
 
     /// Vertices at which something was found already, so that their fans mean nothing.
@@ -521,7 +484,7 @@ impl Buckets {
     fn defects(&self, soup: &Soup) -> Vec<Defect> {
         let mut defects = Vec::new();
         self.for_groups(|low, high, group| {
-            let face = |e: &Entry| soup.face_of(e.halfedge() as usize);
+            let face = |e: &Entry| soup.polygons.face(HalfedgeId(e.halfedge()));
             match group {
                 [_] => {}
                 [a, b] if a.is_forward() != b.is_forward() => {}
