@@ -29,9 +29,11 @@ pub(crate) fn run() -> Result {
             "--features",
             "direct",
             "--test",
-            "golden",
-            "--test",
-            "fitting",
+            "all",
+            "--",
+            "golden::",
+            "fitting::",
+            "exact::",
         ]),
     )?;
     new_user::run()
