@@ -7,6 +7,7 @@ use crate::text::Scanner;
 
 /// The lines of a text that hold something, from 0, in parts.
 pub(crate) struct Lines<'a> {
+    text: Scanner<'a>,
     /// Where each part begins, and which lines are in it.
     parts: Vec<(Scanner<'a>, Range<usize>)>,
     /// Whether `#` begins a comment: a line with nothing before it holds nothing.
@@ -28,7 +29,7 @@ impl<'a> Lines<'a> {
             end += count;
             end - count..end
         });
-        Self { parts: parts.into_iter().zip(ranges).collect(), comments }
+        Self { parts: parts.into_iter().zip(ranges).collect(), text: *text, comments }
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -40,7 +41,7 @@ impl<'a> Lines<'a> {
         let (text, lines) = self.parts.iter().find(|(_, lines)| lines.contains(&line))?;
         let mut text = skip_lines(*text, line - lines.start, self.comments);
         skip(&mut text, self.comments);
-        Some(text)
+        Some(Scanner { at: text.at, ..self.text })
     }
 
     /// What `read` makes of each part of some lines, in order. It gets a text that ends with the part,
@@ -65,7 +66,7 @@ fn skip(text: &mut Scanner<'_>, comments: bool) {
     if comments { text.skip_space_and_comments() } else { text.skip_space() }
 }
 
-fn skip_lines<'a>(mut text: Scanner<'a>, count: usize, comments: bool) -> Scanner<'a> {
+fn skip_lines(mut text: Scanner<'_>, count: usize, comments: bool) -> Scanner<'_> {
     for _ in 0..count {
         skip(&mut text, comments);
         text.skip_line();
@@ -91,7 +92,8 @@ fn count(mut text: Scanner<'_>, comments: bool) -> usize {
 fn count_plain(bytes: &[u8], comments: bool) -> Option<usize> {
     /// As many as a byte counts.
     const BLOCK: usize = 255;
-    let is_word = |b: u8| (b > b' ') & !(comments & (b == b'#'));
+    let comment = if comments { b'#' } else { b' ' };
+    let is_word = |b: u8| b > b' ' && b != comment;
     let (&first, &last) = (bytes.first()?, bytes.last()?);
     if !is_word(first) || last == b'\r' {
         return None;
@@ -103,7 +105,7 @@ fn count_plain(bytes: &[u8], comments: bool) -> Option<usize> {
         for (&b, &next) in bytes.iter().zip(next) {
             let end = b == b'\n';
             ends += u8::from(end);
-            odd |= (end & !is_word(next)) | ((b == b'\r') & (next != b'\n'));
+            odd |= end && !is_word(next) || b == b'\r' && next != b'\n';
         }
         if odd {
             return None;
@@ -147,9 +149,8 @@ mod tests {
             for parts in [1, 2, 5] {
                 let lines = Lines::new(&Scanner { bytes, at: 0 }, parts, comments);
                 assert_eq!(lines.len(), starts.len());
-                let found: Vec<usize> = (0..lines.len() + 2)
-                    .filter_map(|line| lines.start(line).map(|text| text.at))
-                    .collect();
+                let found = (0..lines.len() + 2).filter_map(|line| lines.start(line));
+                let found: Vec<usize> = found.map(|text| bytes.len() - text.remaining()).collect();
                 assert_eq!(found, starts);
                 let range = starts.len() / 3..starts.len();
                 let read = lines.map(range.clone(), |mut text, lines| {

@@ -50,10 +50,11 @@ pub(crate) fn parse(bytes: &[u8], part_count: usize) -> Result<MeshData, ParseEr
     let lines = Lines::new(&text, part_count, true);
     let by_line = is_by_line(&lines, kind, vertex_count, face_count);
     let file = File { kind, by_line, vertex_count, face_count };
-    if part_count > 1 && lines.len() >= vertex_count + face_count {
-        if let Some(data) = file.in_parts(&lines) {
-            return Ok(data);
-        }
+    if part_count > 1
+        && lines.len() >= vertex_count + face_count
+        && let Some(data) = file.in_parts(&lines)
+    {
+        return Ok(data);
     }
     file.as_whole(text)
 }

@@ -32,10 +32,10 @@ pub(crate) fn parse(bytes: &[u8], part_count: usize) -> Result<MeshData, ParseEr
     let (encoding, elements) = read_header(&mut text)?;
     match encoding {
         Encoding::Ascii => {
-            if part_count > 1 {
-                if let Ok(data) = read(AsciiBody::in_parts(text, part_count), &elements) {
-                    return Ok(data);
-                }
+            if part_count > 1
+                && let Ok(data) = read(AsciiBody::in_parts(text, part_count), &elements)
+            {
+                return Ok(data);
             }
             read(AsciiBody::new(text), &elements)
         }

@@ -4,11 +4,13 @@ use std::fs;
 use std::sync::LazyLock;
 
 use fairform_io::streamline::{self, Contents};
-use fairform_io::{Format, MeshData, WriteOptions, encode, parse, parse_in_parts};
+use fairform_io::{Format, MeshData, WriteOptions, encode, parse};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use serde_json::Value;
+
+use crate::common::same_in_parts;
 
 /// Small files of every format, good and bad, to make others from.
 static SEEDS: LazyLock<Vec<(Format, Vec<u8>)>> = LazyLock::new(|| {
@@ -67,17 +69,8 @@ fn size(data: &MeshData) -> usize {
 /// size is in proportion to the bytes, and the writers take it.
 /// In however many parts a text is read, the mesh or error is the same.
 fn check(bytes: &[u8], format: Format) -> Result<(), TestCaseError> {
-    let result = parse(bytes, format);
-    if !bytes.starts_with(b"\x1f\x8b") {
-        for parts in [2, 9, bytes.len()] {
-            let read = parse_in_parts(bytes, format, parts);
-            // As text, NaN is NaN.
-            if read != result {
-                prop_assert_eq!(format!("{read:?}"), format!("{result:?}"), "{} parts", parts);
-            }
-        }
-    }
-    let Ok(data) = result else { return Ok(()) };
+    same_in_parts(bytes, format)?;
+    let Ok(data) = parse(bytes, format) else { return Ok(()) };
     prop_assert!(data.faces.corners().iter().all(|v| (*v as usize) < data.positions.len()));
     // glTF may repeat its parts; everything else says each number once, in at least 2 bytes.
     if !matches!(format, Format::Gltf | Format::Glb) {
