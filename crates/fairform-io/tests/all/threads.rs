@@ -1,7 +1,7 @@
 //! What is written and read is the same for any number of threads, and without the feature for them.
 
 use fairform::{Faces, Vec3};
-use fairform_io::{Format, Labels, MeshData, WriteOptions, encode, parse};
+use fairform_io::{Format, Labels, MeshData, WriteOptions, encode};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
@@ -76,7 +76,7 @@ fn threads_change_nothing() {
             let written = meshes.iter().flat_map(all_ways);
             written
                 .map(|(format, bytes)| {
-                    let data = parse(&bytes, format).unwrap();
+                    let data = fairform_io::parse(&bytes, format).unwrap();
                     (format, bytes, data)
                 })
                 .collect::<Vec<_>>()
