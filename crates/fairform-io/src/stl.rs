@@ -185,8 +185,8 @@ fn read_triangles(triangles: &[[u8; TRIANGLE]]) -> (Part<[f32; 3]>, usize) {
     (part, attributes)
 }
 
-/// Reads a text in parts that begin with a facet, and of those `block` triangles at once. A text with a
-/// fault is read again as a whole, so that its error is that of a reader that sees all before.
+/// Reads a text in so many parts, which begin with a facet, and welds `block` triangles at once. A text
+/// with a fault is read again as a whole, so that its error is that of a reader that sees all before.
 fn parse_text(bytes: &[u8], part_count: usize, block: usize) -> Result<MeshData, ParseError> {
     let text = Scanner::new(bytes)?;
     let parts = text.parts(part_count, begins_facet);
@@ -214,7 +214,8 @@ struct Facets {
 }
 
 impl Facets {
-    /// Reads all facets. A text may begin and end within a solid, if it is said to do both or one.
+    /// Reads all facets. Whether the text begins and ends within a solid is given; another end is an
+    /// error.
     fn read(
         mut text: Scanner<'_>,
         [begins_within, ends_within]: [bool; 2],
