@@ -56,6 +56,7 @@ pub(crate) enum Command {
     Compare(Compare),
     Curve(Curve),
     Streamline(Streamline),
+    Studio(Studio),
     /// Print a completion script for a shell.
     #[command(after_help = "Examples:\n  \
         fairform completions bash > ~/.bash_completion.d/fairform\n  \
@@ -64,6 +65,28 @@ pub(crate) enum Command {
         /// The shell.
         shell: clap_complete::Shell,
     },
+}
+
+/// Open the modeller in the browser.
+#[derive(clap::Args, Debug)]
+#[command(
+    after_help = "The page and the file are served to this machine alone, at an address that no other \
+    page can guess, and no other host is asked for anything. Nothing is written to the file: the browser \
+    saves where you say.\n\nExamples:\n  \
+    fairform studio\n  \
+    fairform studio bunny.obj\n  \
+    fairform studio car.streamline.json --no-open"
+)]
+pub(crate) struct Studio {
+    /// A mesh, a streamline model or a project of the studio to open.
+    #[arg(value_name = "FILE")]
+    pub(crate) input: Option<PathBuf>,
+    /// Port to listen on; 0 takes a free one.
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    pub(crate) port: u16,
+    /// Start no browser: only print the address.
+    #[arg(long)]
+    pub(crate) no_open: bool,
 }
 
 /// Find the surface that passes through every vertex of a mesh.

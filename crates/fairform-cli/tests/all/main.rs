@@ -9,3 +9,4 @@ mod options;
 mod outputs;
 mod polygons;
 mod streamline;
+mod studio;
