@@ -1,0 +1,5 @@
+//! placeholder
+use crate::command::Result;
+pub(crate) fn run() -> Result {
+    Ok(())
+}
