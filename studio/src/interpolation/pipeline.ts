@@ -1,7 +1,7 @@
 // From a document to what is on screen, step by step in the worker. The newest wish wins: what is in hand
 // for an older one is cancelled or thrown away.
 
-import { batch, signal } from "@preact/signals";
+import { batch, signal, untracked } from "@preact/signals";
 import type {
   Colouring,
   Design,
@@ -85,6 +85,11 @@ export class Pipeline {
 
   /** Says what should be on screen; null for nothing. */
   want(wish: Wish | null): void {
+    // Effects wish, and must not come to depend on what answers them.
+    untracked(() => this.#want(wish));
+  }
+
+  #want(wish: Wish | null): void {
     const before = this.#wish;
     this.#wish = wish;
     if (before?.design !== wish?.design || before?.source !== wish?.source) this.#stopped = false;
@@ -162,6 +167,7 @@ export class Pipeline {
   /** Forgets everything, for example when the comparison is closed. */
   clear(): void {
     this.want(null);
+    if (this.#source === null) return;
     batch(() => {
       this.#source = null;
       this.#forget();

@@ -76,7 +76,7 @@ export class MeshScene {
     this.#main = new Stage(host, "The mesh and its surface", session, session.main, "a");
     const { viewport, view } = this.#main;
     this.#picker = new Picker(viewport, view);
-    viewport.onCamera = () => void (session.studio.cameraMoved.value += 1);
+    viewport.onCamera = () => void (session.studio.cameraMoved.value = session.studio.cameraMoved.peek() + 1);
     viewport.onView = () => this.#link(viewport, this.#other?.viewport);
 
     this.#gizmo = new TransformControls(viewport.camera, viewport.canvas);
@@ -121,7 +121,7 @@ export class MeshScene {
         const camera = session.pendingCamera;
         session.pendingCamera = null;
         if (camera) viewport.view = camera;
-        else viewport.fit("iso", false);
+        else viewport.fit(session.mesh.peek()?.source.look ?? "iso", false);
       }),
       effect(() => this.#placeGizmo()),
     );
