@@ -95,6 +95,8 @@ export class Studio {
 
   /** Opens a project, a model or a mesh; whatever is wrong with it is told, with the repairs on offer. */
   async open(source: Source): Promise<void> {
+    dismiss();
+    this.gallery.value = false;
     try {
       if (isProjectName(source.name)) {
         await this.#openProject(source);
@@ -103,8 +105,6 @@ export class Studio {
         this.enter(workspace.id);
         await workspace.open(source);
       }
-      dismiss();
-      this.gallery.value = false;
     } catch (error) {
       this.explain(`${source.name} cannot be opened`, error);
     }

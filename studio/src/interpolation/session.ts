@@ -52,8 +52,12 @@ export class Session {
   /** Length over which a tension fades from the selection, in the units of the file. */
   readonly falloff = signal(0);
   readonly scene = signal<MeshScene | null>(null);
+  /** The directions of x, y and z on the screen, as they are drawn. */
+  readonly turns = signal<readonly Triple[]>([]);
   /** Where the camera shall be once there is something to see. */
   pendingCamera: Camera | null = null;
+  /** Where to look from at a mesh that was just opened. */
+  firstLook: Triple | null = null;
   onDrag: (answer: DragAnswer, moved: Indices, at: Float32Array) => void = () => {};
 
   readonly mesh = computed<MeshDocument | null>(() => this.studio.document.mesh);
@@ -118,6 +122,7 @@ export class Session {
   // -------------------------------------------------------------- files
 
   async open(source: Source, repairs: readonly string[] = [], replace = false): Promise<void> {
+    this.firstLook = source.look ?? null;
     try {
       const info = await this.main.open(source, repairs);
       const levels = suitableLevels(info.faceCount, info.mostCorners);

@@ -148,6 +148,12 @@ export class Viewport {
     return new THREE.Vector3(right, up, near).applyQuaternion(this.camera.quaternion).toArray();
   }
 
+  /** Where x, y and z point on the screen: right, up and towards the eye. */
+  axes(): Triple[] {
+    const turn = this.camera.quaternion.clone().invert();
+    return [0, 1, 2].map((i) => new THREE.Vector3().setComponent(i, 1).applyQuaternion(turn).toArray());
+  }
+
   get view(): Camera {
     return {
       position: this.camera.position.toArray(),
