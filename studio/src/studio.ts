@@ -23,6 +23,8 @@ export class Studio {
   readonly newKernel: () => Kernel;
   readonly help = signal(false);
   readonly gallery = signal(false);
+  /** Samples to choose from below the first one, until something is opened. */
+  readonly welcome = signal(false);
   /** Increases whenever a camera came to rest, so that it is saved. */
   readonly cameraMoved = signal(0);
 
@@ -97,6 +99,7 @@ export class Studio {
   async open(source: Source): Promise<void> {
     dismiss();
     this.gallery.value = false;
+    this.welcome.value = false;
     try {
       if (isProjectName(source.name)) {
         await this.#openProject(source);
