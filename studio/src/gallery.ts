@@ -22,7 +22,6 @@ export const SAMPLES: readonly Sample[] = [
   { file: "pawn.obj", title: "Pawn", says: "Open below: a boundary in red" },
   { file: "fandisk.off", title: "Fan disk", says: "A machine part, for creases" },
   { file: "knot.obj", title: "Knot", says: "1440 regular quadrilaterals" },
-  { file: "dodecahedron.obj", title: "Dodecahedron", says: "12 pentagons" },
 ];
 
 export async function openSample({ file, look }: Sample): Promise<Source> {

@@ -125,10 +125,19 @@ export class Skin {
   /** A geometry over the same points with other connectivity. */
   sharing(index: Uint32Array): THREE.BufferGeometry {
     const geometry = new THREE.BufferGeometry();
+    geometry.userData["shares"] = true;
     for (const name of ["position", "normal"]) geometry.setAttribute(name, this.geometry.getAttribute(name));
     geometry.setIndex(new THREE.BufferAttribute(index, 1));
     return geometry;
   }
+}
+
+/** Frees a geometry. Points that belong to a skin stay with it: freeing them would break all others that share. */
+function release(geometry: THREE.BufferGeometry): void {
+  if (geometry.userData["shares"]) {
+    for (const name of Object.keys(geometry.attributes)) geometry.deleteAttribute(name);
+  }
+  geometry.dispose();
 }
 
 type ObjectName =
@@ -219,7 +228,7 @@ export class MeshView {
 
   dispose(): void {
     this.#viewport.scene.remove(this.#root);
-    for (const object of Object.values(this.#objects)) object.geometry.dispose();
+    for (const object of Object.values(this.#objects)) release(object.geometry);
     for (const material of Object.values(this.#materials)) material.dispose();
   }
 
@@ -292,7 +301,6 @@ export class MeshView {
     this.#surface = surface && new Skin(surface);
     if (this.#surface) {
       this.#replace("surface", this.#surface.geometry);
-      this.#objects.surfaceEdges.geometry.dispose();
       this.#objects.surfaceEdges.userData["of"] = null;
       this.#objects.patches.userData["of"] = null;
     }
@@ -438,13 +446,13 @@ export class MeshView {
       places.set(positions.subarray(3 * a, 3 * a + 3), 6 * i);
       places.set(positions.subarray(3 * b, 3 * b + 3), 6 * i + 3);
     });
-    object.geometry.dispose();
+    release(object.geometry);
     object.geometry = new LineSegmentsGeometry().setPositions(places);
   }
 
   #replace(name: ObjectName, geometry: THREE.BufferGeometry): void {
     const object = this.#objects[name];
-    object.geometry.dispose();
+    release(object.geometry);
     object.geometry = geometry;
   }
 }
