@@ -63,6 +63,7 @@ export class MeshScene {
   readonly #session: Session;
   readonly #main: Stage;
   #other: Stage | null = null;
+  #insets: Insets = { left: 0, right: 0, top: 0, bottom: 0 };
   readonly #picker: Picker;
   readonly #gestures: Gestures;
   readonly #gizmo: TransformControls;
@@ -150,7 +151,9 @@ export class MeshScene {
   }
 
   set insets(insets: Insets) {
+    this.#insets = insets;
     this.#main.viewport.insets = insets;
+    if (this.#other) this.#other.viewport.insets = insets;
   }
 
   /** Opens the second viewport in `host`, with linked cameras; null closes it. */
@@ -163,6 +166,9 @@ export class MeshScene {
     this.#other = other;
     other.viewport.onView = () => this.#link(other.viewport, this.#main.viewport);
     other.viewport.onCamera = this.#main.viewport.onCamera;
+    other.viewport.insets = this.#insets;
+    // Half as wide: what did not fit is made to fit again.
+    this.#main.viewport.fit(undefined, false);
     other.viewport.view = this.#main.viewport.view;
   }
 

@@ -109,10 +109,10 @@ export function surfaceMaterial(): THREE.ShaderMaterial {
           colour = own * mix(0.03, 1.0, band) * mix(light, vec3(1.0), 0.55);
         } else if (finish == 2) {
           vec3 r = normalize((vec4(reflect(-eye, n), 0.0) * viewMatrix).xyz);
-          float around = atan(r.y, r.z) / 3.14159265 * 16.0;
+          float around = atan(r.y, r.z) / 3.14159265 * 10.0;
           float d = abs(fract(around) - 0.5);
           // The derivative jumps where the angle starts anew; the smaller one is right there.
-          float w = min(fwidth(around), fwidth(fract(around + 8.0))) + 1e-4;
+          float w = min(fwidth(around), fwidth(fract(around + 0.5))) + 1e-4;
           float lamp = 1.0 - smoothstep(0.13 - w, 0.13 + w, d);
           colour = albedo * light * 0.16 + 0.88 * lamp + 0.10 * grazing;
         }

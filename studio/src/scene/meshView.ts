@@ -5,10 +5,10 @@ import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 import type { Colouring, Design, DragAnswer, Geometry, GivenMesh, Values } from "../kernel/api";
-import type { Indices } from "../state/indices";
+import { NONE, type Indices } from "../state/indices";
 import type { Settings } from "../state/settings";
 import { FINISH, lineMaterial, overlayMaterial, pointMaterial, RAMP_TEXTURES, surfaceMaterial } from "./materials";
-import { patchEdges, trianglesOfFaces } from "./patches";
+import { facesOfEdges, patchLines, trianglesOfFaces, type PatchLines } from "./patches";
 import { isDiverging } from "./ramps";
 import type { Viewport } from "./viewport";
 
@@ -50,6 +50,7 @@ export class Skin {
   readonly geometry = new THREE.BufferGeometry();
   readonly faceOfTriangle: Uint32Array;
   readonly #source: Geometry;
+  #lines: PatchLines | null = null;
   #byFace: { start: Uint32Array; triangles: Uint32Array } | null = null;
   /** Increases when points move. */
   version = 0;
@@ -76,8 +77,9 @@ export class Skin {
     return this.#source.edges;
   }
 
-  patchEdges(): Uint32Array {
-    return patchEdges(this.#source);
+  get lines(): PatchLines {
+    this.#lines ??= patchLines(this.#source);
+    return this.#lines;
   }
 
   /** Moves all points, or some. */
@@ -166,9 +168,12 @@ export class MeshView {
   #surface: Skin | null = null;
   #control: Skin | null = null;
   #shown: Settings["shown"] | null = null;
-  #selected: Indices = new Uint32Array(0);
+  #selected: Indices = NONE;
   #hovered: number | null = null;
   #faceCount = 0;
+  #facesOfEdges: Uint32Array | null = null;
+  /** Edges that are drawn thick: selected ones, and creases. */
+  #thickEdges: Record<"selectedEdges" | "creases", Indices> = { selectedEdges: NONE, creases: NONE };
 
   readonly #materials = {
     surface: surfaceMaterial(),
@@ -275,6 +280,7 @@ export class MeshView {
     if (given !== this.#given) {
       this.#given = given;
       this.#faceCount = (given?.faceOfTriangle.reduce((last, f) => Math.max(last, f), -1) ?? -1) + 1;
+      this.#facesOfEdges = null;
       this.#givenSkin = given && new Skin(given, given.positions.slice());
       if (given && this.#givenSkin) {
         const skin = this.#givenSkin;
@@ -307,6 +313,7 @@ export class MeshView {
     this.setFaces(this.#selected);
     this.setHover(this.#hovered);
     this.#update();
+    this.#drawThick();
   }
 
   /** Takes a step of a drag. */
@@ -319,6 +326,7 @@ export class MeshView {
         this.#control.move(answer.controlVertices, answer.controlPositions, null);
       }
     }
+    this.#drawThick();
     this.#viewport.invalidate();
   }
 
@@ -365,17 +373,25 @@ export class MeshView {
   }
 
   setEdges(edges: Indices, creases: Design["creases"]): void {
-    const ends = this.#given?.ends;
-    const chosen: [number, number][] = [];
-    if (ends) for (const e of edges) if (2 * e + 1 < ends.length) chosen.push([ends[2 * e]!, ends[2 * e + 1]!]);
-    this.#thick("selectedEdges", chosen);
-    this.#thick("creases", creases.map(([a, b]) => [a, b] as [number, number]));
-    this.#objects.creases.visible &&= this.#shown?.creases !== false;
+    const ends = this.#given?.ends ?? NONE;
+    const isCrease = new Set(creases.map(([a, b]) => (a < b ? `${a} ${b}` : `${b} ${a}`)));
+    const found: number[] = [];
+    for (let e = 0; isCrease.size > 0 && 2 * e < ends.length; e += 1) {
+      const [a, b] = [ends[2 * e]!, ends[2 * e + 1]!];
+      if (isCrease.has(a < b ? `${a} ${b}` : `${b} ${a}`)) found.push(e);
+    }
+    this.#thickEdges = {
+      selectedEdges: edges.filter((e) => 2 * e < ends.length),
+      creases: Uint32Array.from(found),
+    };
+    this.#drawThick();
     this.#viewport.invalidate();
   }
 
   setSettings({ shown, shading, colouring }: Settings): void {
+    const before = this.#shown;
     this.#shown = shown;
+    if (before?.creases !== shown.creases || before.surface !== shown.surface) this.#drawThick();
     this.#materials.surface.uniforms["finish"]!.value = FINISH[shading];
     if (!colouring) this.#materials.surface.uniforms["coloured"]!.value = false;
     this.#update();
@@ -398,7 +414,7 @@ export class MeshView {
     o.surfaceEdges.visible = o.surface.visible && shown.surfaceEdges;
     if (o.surfaceEdges.visible) this.#line("surfaceEdges", () => this.#surface!.edges);
     o.patches.visible = o.surface.visible && shown.patches;
-    if (o.patches.visible) this.#line("patches", () => this.#surface!.patchEdges());
+    if (o.patches.visible) this.#line("patches", () => this.#surface!.lines.pairs);
     o.edges.visible = hasGiven && (shown.edges || (alone && shown.patches));
     o.hiddenEdges.visible = o.edges.visible && !alone;
     o.control.visible = this.#control !== null && shown.control;
@@ -406,7 +422,6 @@ export class MeshView {
     o.points.visible = hasGiven && shown.points;
     this.#materials.points.uniforms["size"]!.value = this.#pointSize();
     o.boundary.visible = hasGiven && shown.boundary;
-    o.creases.visible = shown.creases && o.creases.userData["count"] > 0;
     const pixels = this.#viewport.renderer.getPixelRatio();
     for (const m of [this.#materials.points, this.#materials.boundary, this.#materials.selectedPoints]) {
       m.uniforms["pixels"]!.value = pixels;
@@ -435,19 +450,49 @@ export class MeshView {
     this.#viewport.invalidate();
   }
 
-  #thick(name: "creases" | "selectedEdges", edges: [number, number][]): void {
-    const positions = this.#givenSkin?.positions;
-    const object = this.#objects[name] as LineSegments2;
-    object.visible = edges.length > 0 && positions !== undefined;
-    object.userData["count"] = edges.length;
-    if (!object.visible || !positions) return;
+  /** Thick edges run along the surface where there is one, and straight elsewhere. */
+  #drawThick(): void {
+    for (const name of ["selectedEdges", "creases"] as const) {
+      const edges = this.#thickEdges[name];
+      const object = this.#objects[name] as LineSegments2;
+      const given = this.#given;
+      object.visible = edges.length > 0 && given !== null && (name !== "creases" || this.#shown?.creases !== false);
+      if (!object.visible || !given) continue;
+      const places =
+        this.#surface && this.#shown?.surface !== false
+          ? this.#alongSurface(edges, given, this.#surface)
+          : this.#straight(edges, given.ends);
+      release(object.geometry);
+      object.geometry = new LineSegmentsGeometry().setPositions(places);
+    }
+  }
+
+  #straight(edges: Indices, ends: Uint32Array): Float32Array {
+    const { positions } = this.#givenSkin!;
     const places = new Float32Array(6 * edges.length);
-    edges.forEach(([a, b], i) => {
-      places.set(positions.subarray(3 * a, 3 * a + 3), 6 * i);
-      places.set(positions.subarray(3 * b, 3 * b + 3), 6 * i + 3);
+    edges.forEach((e, i) => {
+      for (let k = 0; k < 2; k += 1) {
+        const v = ends[2 * e + k]!;
+        places.set(positions.subarray(3 * v, 3 * v + 3), 6 * i + 3 * k);
+      }
     });
-    release(object.geometry);
-    object.geometry = new LineSegmentsGeometry().setPositions(places);
+    return places;
+  }
+
+  #alongSurface(edges: Indices, given: GivenMesh, { lines, positions }: Skin): Float32Array {
+    this.#facesOfEdges ??= facesOfEdges(given, given.ends);
+    const faces = this.#facesOfEdges;
+    const key = (a: number, b: number) => a * 0x1_0000_0000 + b;
+    const wanted = new Set<number>();
+    for (const e of edges) wanted.add(key(faces[2 * e]!, faces[2 * e + 1]!));
+    const places: number[] = [];
+    for (let i = 0; 2 * i < lines.faces.length; i += 1) {
+      if (!wanted.has(key(lines.faces[2 * i]!, lines.faces[2 * i + 1]!))) continue;
+      for (const v of lines.pairs.subarray(2 * i, 2 * i + 2)) {
+        places.push(positions[3 * v]!, positions[3 * v + 1]!, positions[3 * v + 2]!);
+      }
+    }
+    return Float32Array.from(places);
   }
 
   #replace(name: ObjectName, geometry: THREE.BufferGeometry): void {
