@@ -33,6 +33,8 @@ cargo xtask bench io [--write]      the same of every file format; docs/performa
 cargo xtask fuzz [SECONDS] [TARGET] every fuzz target, or one, for so long each [30]
 cargo xtask studio [FILE]           builds the studio's page and opens it; --build only builds it
 cargo xtask guide                   the pictures of the guide, anew
+cargo xtask wasm [--release]        the kernel for the browser, into studio/src/kernel/wasm/; with
+                                    --release also made smaller
 cargo xtask help                    this";
 
 fn main() -> ExitCode {
@@ -54,6 +56,9 @@ fn main() -> ExitCode {
         ["fuzz", rest @ ..] => fuzz::run(rest),
         ["guide"] => guide::run(),
         ["studio", rest @ ..] => studio::run(rest),
+        ["wasm"] => wasm::run(false),
+        ["wasm", "--release"] => wasm::run(true),
+        ["wasm-bindings", wasm, place] => wasm::bindings(wasm, place),
         [] | ["help" | "--help" | "-h"] => {
             println!("{HELP}");
             Ok(())

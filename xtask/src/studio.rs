@@ -35,7 +35,7 @@ pub(crate) fn run(args: &[&str]) -> Result {
 pub(crate) fn build() -> Result {
     check_node()?;
     packages()?;
-    wasm::run()?;
+    wasm::run(true)?;
     step("the page of the studio", &mut npm(&["run", "build"]))
 }
 
