@@ -343,6 +343,13 @@ impl Tessellation {
         inner.iter_mut().zip(first..).for_each(|(slot, number)| *slot = number);
     }
 
+    /// Whether there are points on the sides of the faces of the base, or inside: not where all steps are made
+    /// one by one, nor with Doo and Sabin's scheme, which has squares around vertices.
+    #[must_use]
+    pub fn has_grids(&self) -> bool {
+        self.plan.is_some()
+    }
+
     /// All points in order, part by part: for those who cannot, or need not, have all in memory.
     pub fn parts(&self) -> impl Iterator<Item = Part> + use<> {
         let blocks = |len: usize, block: usize| {

@@ -1,0 +1,30 @@
+import { fetchFile } from "./files";
+import type { Triple } from "./kernel/api";
+import type { Source } from "./state/document";
+
+export interface Sample {
+  file: string;
+  title: string;
+  says: string;
+  /** Where it looks best from. */
+  look?: Triple;
+}
+
+const COW: Triple = [-0.8, 0.3, -0.75];
+
+/** Meshes to begin with; origins and licences are in `public/samples/README.md`. */
+export const SAMPLES: readonly Sample[] = [
+  { file: "spot.obj", title: "Spot", says: "A cow of 372 triangles, by Keenan Crane", look: COW },
+  { file: "spot-quads.obj", title: "Spot, quads", says: "The same in quadrilaterals", look: COW },
+  { file: "penguin.obj", title: "Penguin", says: "3- to 5-gons, by Oded Stein (CC BY 4.0)" },
+  { file: "cube.obj", title: "Cube", says: "Six faces in three groups" },
+  { file: "torus.obj", title: "Torus", says: "32 regular quadrilaterals" },
+  { file: "pawn.obj", title: "Pawn", says: "Open below: a boundary in red" },
+  { file: "fandisk.off", title: "Fan disk", says: "A machine part, for creases" },
+  { file: "knot.obj", title: "Knot", says: "1440 regular quadrilaterals" },
+];
+
+export async function openSample({ file, look }: Sample): Promise<Source> {
+  const source = await fetchFile(`./samples/${file}`, file);
+  return look ? { ...source, look } : source;
+}

@@ -1,0 +1,79 @@
+// The interpolation workspace: a mesh, and the surface through its vertices.
+
+import { useSignalEffect } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import type { Studio } from "../studio";
+import type { Workspace } from "../workspace";
+import { commands } from "./commands";
+import { Axes } from "../panels/Axes";
+import { Inspector } from "./panels/Inspector";
+import { Legend } from "./panels/Legend";
+import { Progress } from "./panels/Progress";
+import { Rail } from "./panels/Rail";
+import { MeshScene } from "./scene";
+import { Session } from "./session";
+
+export function createInterpolation(studio: Studio): { workspace: Workspace; session: Session } {
+  const session = new Session(studio);
+  const workspace: Workspace = {
+    id: "interpolation",
+    title: "Interpolation",
+    View: () => <View session={session} />,
+    actions: commands(session),
+    accept: ".obj,.off,.ply,.stl,.gltf,.glb,.gz",
+    opens: (name) => !name.toLowerCase().endsWith(".json"),
+    open: (source) => session.open(source),
+    camera: () => session.scene.peek()?.viewport.view ?? session.pendingCamera,
+    setCamera: (camera) => {
+      session.pendingCamera = camera;
+    },
+  };
+  return { workspace, session };
+}
+
+function View({ session }: { session: Session }) {
+  const left = useRef<HTMLDivElement>(null);
+  const right = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    const scene = new MeshScene(left.current!, session);
+    return () => scene.dispose();
+  }, [session]);
+  const compares = session.other.value !== null && session.mesh.value?.compare != null;
+  useEffect(() => {
+    const scene = session.scene.peek();
+    if (!scene) return;
+    scene.setOther(compares ? right.current : null);
+    return () => scene.setOther(null);
+  }, [session, compares]);
+  useSignalEffect(() => {
+    const scene = session.scene.value;
+    if (!scene) return;
+    const wide = innerWidth > 820;
+    const hasOther = session.mesh.value?.compare != null;
+    const left = !wide ? 0 : hasOther ? 28 : 56;
+    scene.insets = { left, right: wide && !hasOther ? 316 : 0, top: 8, bottom: !wide ? 180 : session.studio.welcome.value ? 128 : 8 };
+  });
+  const { main } = session;
+  return (
+    <main class={`stage ${compares ? "compares" : ""}`} data-testid="interpolation">
+      <div class="views">
+        <div class="view" ref={left}>
+          {compares && <span class="view-label">A</span>}
+        </div>
+        {compares && (
+          <div class="view" ref={right} data-testid="other-view">
+            <span class="view-label">B</span>
+          </div>
+        )}
+      </div>
+      <Rail session={session} />
+      <Axes turns={session.turns} onView={(preset) => session.scene.peek()?.show(preset)} />
+      <Inspector session={session} />
+      <div class="over-view">
+        <Legend session={session} />
+        <Progress session={session} />
+      </div>
+      {main.stage.value !== null && <div class="working" aria-hidden="true" />}
+    </main>
+  );
+}

@@ -1,0 +1,76 @@
+import * as actions from "../actions";
+import type { Studio } from "../studio";
+import { settings, change, type Theme } from "../state/settings";
+import { current } from "../workspace";
+import { ActionButton } from "./controls";
+import { Icon } from "./icons";
+
+const NEXT: Record<Theme, Theme> = { auto: "light", light: "dark", dark: "contrast", contrast: "auto" };
+const LOOKS: Record<Theme, string> = {
+  auto: "as the system",
+  light: "light",
+  dark: "dark",
+  contrast: "high contrast",
+};
+
+export function TopBar({ studio }: { studio: Studio }) {
+  const { theme } = settings.value;
+  const undo = studio.history.undoLabel;
+  return (
+    <header class="top-bar">
+      <div class="brand">
+        <img src="./icon.svg" alt="" width="22" height="22" />
+        <span>fairform</span>
+      </div>
+      <nav class="workspaces" aria-label="Workspaces">
+        {studio.workspaces.map((w) => (
+          <button
+            key={w.id}
+            type="button"
+            aria-current={current.value === w.id ? "page" : undefined}
+            data-testid={`workspace-${w.id}`}
+            onClick={() => studio.enter(w.id)}
+          >
+            {w.title}
+          </button>
+        ))}
+      </nav>
+      <div class="bar-group">
+        <ActionButton name="file.open" icon="open" />
+        <ActionButton name="file.gallery" icon="gallery" />
+        <ActionButton name="file.save" icon="save" />
+        <span class="bar-rule" />
+        <ActionButton name="edit.undo" icon="undo" />
+        <ActionButton name="edit.redo" icon="redo" />
+        <span class="unseen" data-testid="undo-label">
+          {undo ?? ""}
+        </span>
+      </div>
+      <div class="bar-file" data-testid="file-name">
+        {studio.document.mesh && current.value === "interpolation" ? studio.document.mesh.source.name : ""}
+      </div>
+      <div class="bar-group">
+        <button
+          type="button"
+          class="icon-button"
+          aria-label={`Look: ${LOOKS[theme]}. Change it`}
+          title={`Look: ${LOOKS[theme]}`}
+          data-testid="theme"
+          onClick={() => change({ theme: NEXT[theme] })}
+        >
+          <Icon name="look" />
+        </button>
+        <button
+          type="button"
+          class="icon-button"
+          aria-label="All commands and keys"
+          title="All commands and keys (?)"
+          data-testid="help"
+          onClick={() => actions.run("help.commands")}
+        >
+          <Icon name="help" />
+        </button>
+      </div>
+    </header>
+  );
+}

@@ -1,0 +1,282 @@
+// A view into space: renderer, camera, orbiting. It draws when something changed, and not otherwise.
+
+import * as THREE from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import type { Triple } from "../kernel/api";
+import { record } from "../perf";
+import type { Camera } from "../state/project";
+
+export type Preset = "front" | "back" | "left" | "right" | "top" | "bottom" | "iso";
+
+const TOWARDS: Record<Preset, Triple> = {
+  front: [0, 0, 1],
+  back: [0, 0, -1],
+  left: [-1, 0, 0],
+  right: [1, 0, 0],
+  // Not quite from above, because there is no left and right there.
+  top: [0, 1, 1e-4],
+  bottom: [0, -1, 1e-4],
+  iso: [-0.62, 0.42, 0.78],
+};
+
+export interface Insets {
+  left: number;
+  right: number;
+  top: number;
+  bottom: number;
+}
+
+export interface Projected {
+  x: number;
+  y: number;
+  depth: number;
+}
+
+export class Viewport {
+  readonly scene = new THREE.Scene();
+  readonly camera = new THREE.PerspectiveCamera(32, 1, 0.01, 100);
+  readonly controls: OrbitControls;
+  readonly canvas: HTMLCanvasElement;
+  readonly renderer: THREE.WebGLRenderer;
+  /** Told after the camera came to rest. */
+  onCamera: () => void = () => {};
+  /** Told while the camera moves, for a second view that follows. */
+  onView: () => void = () => {};
+  /** Told after each picture, for what lies over the canvas. */
+  onDraw: () => void = () => {};
+
+  #insets: Insets = { left: 0, right: 0, top: 0, bottom: 0 };
+  #sphere = new THREE.Sphere(new THREE.Vector3(), 1);
+  #request = 0;
+  #flight = 0;
+  #lastFrame = 0;
+  readonly #observer: ResizeObserver;
+
+  constructor(host: HTMLElement, label: string) {
+    this.canvas = document.createElement("canvas");
+    this.canvas.tabIndex = 0;
+    this.canvas.setAttribute("role", "img");
+    this.canvas.setAttribute("aria-label", label);
+    this.canvas.className = "viewport";
+    host.prepend(this.canvas);
+    this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true });
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setClearAlpha(0);
+    this.camera.position.set(...TOWARDS.iso).multiplyScalar(5);
+    this.controls = new OrbitControls(this.camera, this.canvas);
+    this.controls.zoomToCursor = true;
+    this.controls.rotateSpeed = 0.9;
+    this.controls.addEventListener("change", () => {
+      this.invalidate();
+      this.onView();
+    });
+    this.controls.addEventListener("start", () => this.#stopFlight());
+    this.controls.addEventListener("end", () => this.onCamera());
+    this.canvas.addEventListener("webglcontextrestored", () => this.invalidate());
+    this.#observer = new ResizeObserver(() => this.#resize());
+    this.#observer.observe(host);
+    this.#resize();
+  }
+
+  dispose(): void {
+    cancelAnimationFrame(this.#request);
+    this.#stopFlight();
+    this.#observer.disconnect();
+    this.controls.dispose();
+    this.renderer.dispose();
+    this.renderer.forceContextLoss();
+    this.canvas.remove();
+  }
+
+  /** Draws again with the next frame. */
+  invalidate(): void {
+    this.#request ||= requestAnimationFrame((now) => {
+      this.#request = 0;
+      this.#draw(now);
+    });
+  }
+
+  /** Parts of the canvas that panels cover; what is shown is centred in the rest. */
+  set insets(insets: Insets) {
+    this.#insets = insets;
+    this.#resize();
+  }
+
+  /** What `fit` shows and the depth range covers. */
+  setBounds(box: THREE.Box3): void {
+    box.getBoundingSphere(this.#sphere);
+    if (!(this.#sphere.radius > 0)) this.#sphere.radius = 1;
+    this.controls.minDistance = this.#sphere.radius * 0.02;
+    this.controls.maxDistance = this.#sphere.radius * 60;
+    this.invalidate();
+  }
+
+  get radius(): number {
+    return this.#sphere.radius;
+  }
+
+  /** Shows everything, from where the camera looks or from a given side. */
+  fit(from?: Preset | Triple, fly = true): void {
+    const towards = from
+      ? new THREE.Vector3(...(typeof from === "string" ? TOWARDS[from] : from))
+      : this.camera.position.clone().sub(this.controls.target);
+    const { clientWidth: w, clientHeight: h } = this.canvas;
+    const { left, right, top, bottom } = this.#insets;
+    const slope = Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2));
+    const free = Math.min(Math.max(h - top - bottom, 80), Math.max(w - left - right, 80)) / Math.max(h, 1);
+    const distance = (0.88 * this.#sphere.radius) / Math.sin(Math.atan(slope * free));
+    const position = this.#sphere.center.clone().addScaledVector(towards.normalize(), distance);
+    this.#go(position, this.#sphere.center.clone(), fly);
+  }
+
+  /** Turns the camera around what it looks at, by degrees to the right and up. */
+  turn(right: number, up: number): void {
+    const arm = this.camera.position.clone().sub(this.controls.target);
+    const s = new THREE.Spherical().setFromVector3(arm);
+    s.theta -= THREE.MathUtils.degToRad(right);
+    s.phi = THREE.MathUtils.clamp(s.phi - THREE.MathUtils.degToRad(up), 1e-4, Math.PI - 1e-4);
+    this.#go(arm.setFromSpherical(s).add(this.controls.target), this.controls.target.clone(), false);
+  }
+
+  zoom(factor: number): void {
+    const arm = this.camera.position.clone().sub(this.controls.target).divideScalar(factor);
+    this.#go(arm.add(this.controls.target), this.controls.target.clone(), false);
+  }
+
+  /** A vector of space that goes so far to the right, up and towards the eye on the screen. */
+  alongScreen(right: number, up: number, near: number): Triple {
+    return new THREE.Vector3(right, up, near).applyQuaternion(this.camera.quaternion).toArray();
+  }
+
+  /** Where x, y and z point on the screen: right, up and towards the eye. */
+  axes(): Triple[] {
+    const turn = this.camera.quaternion.clone().invert();
+    return [0, 1, 2].map((i) => new THREE.Vector3().setComponent(i, 1).applyQuaternion(turn).toArray());
+  }
+
+  get view(): Camera {
+    return {
+      position: this.camera.position.toArray(),
+      target: this.controls.target.toArray(),
+      up: this.camera.up.toArray(),
+      zoom: this.camera.zoom,
+    };
+  }
+
+  set view(view: Camera) {
+    this.#stopFlight();
+    this.camera.position.fromArray(view.position);
+    this.controls.target.fromArray(view.target);
+    this.camera.up.fromArray(view.up);
+    this.camera.zoom = view.zoom;
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.invalidate();
+  }
+
+  /** Where points are on the page, in CSS pixels, and their depths from -1 to 1; good until the camera moves. */
+  projector(): (point: THREE.Vector3) => Projected {
+    this.camera.updateMatrixWorld();
+    const box = this.canvas.getBoundingClientRect();
+    const matrix = new THREE.Matrix4().multiplyMatrices(
+      this.camera.projectionMatrix,
+      this.camera.matrixWorldInverse,
+    );
+    const p = new THREE.Vector3();
+    return (point) => {
+      p.copy(point).applyMatrix4(matrix);
+      return {
+        x: box.left + ((p.x + 1) / 2) * box.width,
+        y: box.top + ((1 - p.y) / 2) * box.height,
+        depth: p.z,
+      };
+    };
+  }
+
+  /** The ray behind a place of the page. */
+  ray(x: number, y: number): THREE.Ray {
+    this.camera.updateMatrixWorld();
+    const box = this.canvas.getBoundingClientRect();
+    const at = new THREE.Vector2(((x - box.left) / box.width) * 2 - 1, 1 - ((y - box.top) / box.height) * 2);
+    const caster = new THREE.Raycaster();
+    caster.setFromCamera(at, this.camera);
+    return caster.ray;
+  }
+
+  /** The view as a PNG, over `background` or over nothing. */
+  async png(background: string | null): Promise<Blob> {
+    this.#draw(performance.now());
+    const picture = document.createElement("canvas");
+    picture.width = this.canvas.width;
+    picture.height = this.canvas.height;
+    const context = picture.getContext("2d")!;
+    if (background) {
+      context.fillStyle = background;
+      context.fillRect(0, 0, picture.width, picture.height);
+    }
+    context.drawImage(this.canvas, 0, 0);
+    return new Promise((resolve, reject) => {
+      picture.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("the browser drew no picture"))), "image/png");
+    });
+  }
+
+  #go(position: THREE.Vector3, target: THREE.Vector3, fly: boolean): void {
+    this.#stopFlight();
+    const from = { arm: this.camera.position.clone().sub(this.controls.target), target: this.controls.target.clone() };
+    const start = performance.now();
+    const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    const duration = fly && !calm ? 260 : 0;
+    const a = new THREE.Spherical().setFromVector3(from.arm);
+    const b = new THREE.Spherical().setFromVector3(position.clone().sub(target));
+    // The shorter way around.
+    a.theta += Math.round((b.theta - a.theta) / (2 * Math.PI)) * 2 * Math.PI;
+    const step = (now: number) => {
+      const t = duration === 0 ? 1 : Math.min(1, Math.max(0, (now - start) / duration));
+      const s = t * t * (3 - 2 * t);
+      const mix = (x: number, y: number) => x + s * (y - x);
+      const at = new THREE.Spherical(mix(a.radius, b.radius), mix(a.phi, b.phi), mix(a.theta, b.theta));
+      this.controls.target.lerpVectors(from.target, target, s);
+      this.camera.position.setFromSpherical(at).add(this.controls.target);
+      this.controls.update();
+      this.invalidate();
+      this.onView();
+      if (t < 1) this.#flight = requestAnimationFrame(step);
+      else this.onCamera();
+    };
+    step(start);
+  }
+
+  #stopFlight(): void {
+    cancelAnimationFrame(this.#flight);
+    this.#flight = 0;
+  }
+
+  #resize(): void {
+    const host = this.canvas.parentElement;
+    if (!host) return;
+    const w = Math.max(1, host.clientWidth);
+    const h = Math.max(1, host.clientHeight);
+    this.renderer.setSize(w, h, false);
+    this.canvas.style.width = `${w}px`;
+    this.canvas.style.height = `${h}px`;
+    this.camera.aspect = w / h;
+    const { left, right, top, bottom } = this.#insets;
+    this.camera.setViewOffset(w, h, (right - left) / 2, (bottom - top) / 2, w, h);
+    this.camera.updateProjectionMatrix();
+    this.invalidate();
+  }
+
+  #draw(now: number): void {
+    const distance = this.camera.position.distanceTo(this.#sphere.center);
+    this.camera.near = Math.max(distance - 4 * this.#sphere.radius, distance * 0.005, this.#sphere.radius * 0.002);
+    this.camera.far = distance + 4 * this.#sphere.radius;
+    this.camera.updateProjectionMatrix();
+    const start = performance.now();
+    this.renderer.render(this.scene, this.camera);
+    // Pictures that follow each other closely tell the time of one; after a rest only the call counts.
+    const since = now - this.#lastFrame;
+    record("frame", since < 250 ? Math.max(since, performance.now() - start) : performance.now() - start);
+    this.#lastFrame = now;
+    this.onDraw();
+  }
+}

@@ -1,0 +1,63 @@
+// How things are shown: kept with the document and over reloads, but nothing to undo.
+
+import { signal } from "@preact/signals";
+import type { Colouring } from "../kernel/api";
+
+export type Shading = "shaded" | "zebra" | "reflection";
+export type Theme = "auto" | "light" | "dark" | "contrast";
+
+export interface Shown {
+  surface: boolean;
+  /** Edges of the polygons of the surface. */
+  surfaceEdges: boolean;
+  /** Edges of the given mesh, drawn on the surface. */
+  patches: boolean;
+  /** The given mesh as edges, and its vertices. */
+  edges: boolean;
+  points: boolean;
+  /** The given mesh as flat faces. */
+  faces: boolean;
+  control: boolean;
+  boundary: boolean;
+  creases: boolean;
+}
+
+export interface Settings {
+  shading: Shading;
+  colouring: Colouring | null;
+  shown: Shown;
+  theme: Theme;
+}
+
+export const DEFAULTS: Settings = {
+  shading: "shaded",
+  colouring: null,
+  shown: {
+    surface: true,
+    surfaceEdges: false,
+    patches: true,
+    edges: false,
+    points: true,
+    faces: false,
+    control: false,
+    boundary: true,
+    creases: true,
+  },
+  theme: "auto",
+};
+
+export const settings = signal<Settings>(DEFAULTS);
+
+export function change(part: Partial<Settings>): void {
+  settings.value = { ...settings.value, ...part };
+}
+
+export function show(part: Partial<Shown>): void {
+  change({ shown: { ...settings.value.shown, ...part } });
+}
+
+/** Settings from a file, of which anything may be missing or new. */
+export function adopt(part: Partial<Settings>): void {
+  const shown = { ...DEFAULTS.shown, ...part.shown };
+  settings.value = { ...DEFAULTS, ...part, shown, theme: settings.value.theme };
+}

@@ -1,0 +1,80 @@
+// `window.fairform`, for tests only: what the page has, and where things are on the screen. Nothing in the
+// studio uses it, and it changes without notice.
+
+import type { Session } from "./interpolation/session";
+import { list, run } from "./actions";
+import { status } from "./announce";
+import { MEASURES, summary } from "./perf";
+import { settings } from "./state/settings";
+import type { Studio } from "./studio";
+import { current } from "./workspace";
+
+export interface TestHooks {
+  /** Plain data: the document without the bytes of the file, and what was computed from it. */
+  state: () => unknown;
+  /** Resolves when the kernel has nothing left to do. */
+  idle: () => Promise<void>;
+  /** Where a vertex of the given mesh is on the page, in CSS pixels. */
+  screenOf: (vertex: number) => { x: number; y: number } | null;
+  /** Where a click selects a face; null if it is hidden. */
+  screenOfFace: (face: number) => { x: number; y: number } | null;
+  /** Names of all actions, and running one. */
+  actions: () => string[];
+  run: (name: string) => boolean;
+  /** Saves at once what waits to be saved. */
+  flush: () => Promise<void>;
+}
+
+declare global {
+  var fairform: TestHooks | undefined;
+}
+
+export function offerTestHooks(studio: Studio, session: Session): void {
+  globalThis.fairform = {
+    state: () => snapshot(studio, session),
+    idle: async () => {
+      await session.main.idle();
+      await session.other.peek()?.idle();
+    },
+    screenOf: (vertex) => session.scene.peek()?.screenOf(vertex) ?? null,
+    screenOfFace: (face) => session.scene.peek()?.picker.screenOfFace(face) ?? null,
+    actions: () => list().map((action) => action.name),
+    run,
+    flush: () => studio.autosave.flush(),
+  };
+}
+
+function snapshot(studio: Studio, session: Session): unknown {
+  const { mesh, model } = studio.history.present.peek();
+  const { main } = session;
+  const surface = main.surface.peek();
+  const control = main.control.peek();
+  return {
+    workspace: current.peek(),
+    mesh: mesh && {
+      name: mesh.source.name,
+      repairs: mesh.repairs,
+      design: mesh.design,
+      compare: mesh.compare,
+      fineness: mesh.fineness,
+      faces: [...mesh.faces],
+      vertices: [...mesh.vertices],
+      edges: [...mesh.edges],
+    },
+    model,
+    settings: settings.peek(),
+    info: main.info.peek(),
+    fit: main.fit.peek(),
+    stage: main.stage.peek(),
+    trouble: main.trouble.peek(),
+    iteration: session.iteration.peek(),
+    surface: surface && { points: surface.positions.length / 3, triangles: surface.triangles.length / 3 },
+    control: control && { points: control.positions.length / 3 },
+    values: main.values.peek() && { ...main.values.peek(), values: undefined },
+    camera: session.scene.peek()?.viewport.view ?? null,
+    undo: studio.history.undoLabel,
+    redo: studio.history.redoLabel,
+    status: status.peek(),
+    milliseconds: Object.fromEntries(MEASURES.map((what) => [what, summary(what)])),
+  };
+}
