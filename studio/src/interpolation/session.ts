@@ -72,6 +72,8 @@ export class Session {
   );
 
   #drag: Drag | null = null;
+  /** The end of the last drag: the surface settles. */
+  #ending: Promise<void> = Promise.resolve();
   /** The design that a slide of the tension began with, so that falloff does not add up. */
   #tensionBase: Design | null = null;
   #tensionAsked: { value: number; base: Design } | null = null;
@@ -419,10 +421,21 @@ export class Session {
     }
   }
 
-  async endDrag(): Promise<void> {
+  endDrag(): Promise<void> {
     const drag = this.#drag;
-    if (!drag) return;
     this.#drag = null;
+    if (drag) this.#ending = this.#end(drag);
+    return this.#ending;
+  }
+
+  /** Resolves when nothing is left to compute. */
+  async idle(): Promise<void> {
+    await this.#ending;
+    await this.main.idle();
+    await this.other.peek()?.idle();
+  }
+
+  async #end(drag: Drag): Promise<void> {
     try {
       await drag.ready;
       await drag.busy;
