@@ -187,6 +187,7 @@ export class Studio {
         label: "Undo",
         keys: ["Mod+Z"],
         run: () => this.undo(),
+        detail: () => this.history.undoLabel,
         enabled: () => this.history.undoLabel !== null,
       },
       {
@@ -194,6 +195,7 @@ export class Studio {
         label: "Redo",
         keys: ["Mod+Shift+Z", "Mod+Y"],
         run: () => this.redo(),
+        detail: () => this.history.redoLabel,
         enabled: () => this.history.redoLabel !== null,
       },
       ...this.#workspaces.map(
