@@ -53,7 +53,7 @@ export class Studio {
   /** Brings the workspaces in and begins to save. */
   start(workspaces: readonly Workspace[]): void {
     this.#workspaces = workspaces;
-    register(this.#actions());
+    register(this.actions());
     effect(() => {
       const { actions } = this.workspace;
       this.#unregister();
@@ -171,7 +171,8 @@ export class Studio {
     announce(label ? `Redone: ${label}` : "Nothing to redo");
   }
 
-  #actions(): Action[] {
+  /** What can be done in every workspace. */
+  actions(): Action[] {
     const theme = (name: Theme, label: string): Action => ({
       name: `theme.${name}`,
       label,
