@@ -1,16 +1,21 @@
 import { fetchFile } from "./files";
+import type { Triple } from "./kernel/api";
 import type { Source } from "./state/document";
 
 export interface Sample {
   file: string;
   title: string;
   says: string;
+  /** Where it looks best from. */
+  look?: Triple;
 }
+
+const COW: Triple = [-0.8, 0.3, -0.75];
 
 /** Meshes to begin with; origins and licences are in `public/samples/README.md`. */
 export const SAMPLES: readonly Sample[] = [
-  { file: "spot.obj", title: "Spot", says: "A cow of 368 triangles, by Keenan Crane" },
-  { file: "spot-quads.obj", title: "Spot, quads", says: "The same in quadrilaterals" },
+  { file: "spot.obj", title: "Spot", says: "A cow of 372 triangles, by Keenan Crane", look: COW },
+  { file: "spot-quads.obj", title: "Spot, quads", says: "The same in quadrilaterals", look: COW },
   { file: "penguin.obj", title: "Penguin", says: "3- to 5-gons, by Oded Stein (CC BY 4.0)" },
   { file: "cube.obj", title: "Cube", says: "Six faces in three groups" },
   { file: "torus.obj", title: "Torus", says: "32 regular quadrilaterals" },
@@ -20,6 +25,7 @@ export const SAMPLES: readonly Sample[] = [
   { file: "dodecahedron.obj", title: "Dodecahedron", says: "12 pentagons" },
 ];
 
-export function openSample(sample: Sample): Promise<Source> {
-  return fetchFile(`./samples/${sample.file}`, sample.file);
+export async function openSample({ file, look }: Sample): Promise<Source> {
+  const source = await fetchFile(`./samples/${file}`, file);
+  return look ? { ...source, look } : source;
 }

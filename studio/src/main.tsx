@@ -49,6 +49,7 @@ async function begin(): Promise<void> {
   const isBack = await studio.restore().catch(() => false);
   if (isBack) return;
   try {
+    studio.welcome.value = true;
     await session.open(await openSample(SAMPLES[0]!), [], true);
   } catch (error) {
     studio.explain("The sample cannot be shown", error);

@@ -16,7 +16,7 @@ export function record(what: Measure, milliseconds: number): void {
   list.push(milliseconds);
   if (list.length > KEPT) list.shift();
   times.set(what, list);
-  if (panelOpen.peek()) measured.value += 1;
+  if (panelOpen.peek()) measured.value = measured.peek() + 1;
 }
 
 /** Median of the last 60, the last, and how many there are; null if there is none. */

@@ -23,6 +23,8 @@ export class Studio {
   readonly newKernel: () => Kernel;
   readonly help = signal(false);
   readonly gallery = signal(false);
+  /** Samples to choose from below the first one, until something is opened. */
+  readonly welcome = signal(false);
   /** Increases whenever a camera came to rest, so that it is saved. */
   readonly cameraMoved = signal(0);
 
@@ -95,6 +97,9 @@ export class Studio {
 
   /** Opens a project, a model or a mesh; whatever is wrong with it is told, with the repairs on offer. */
   async open(source: Source): Promise<void> {
+    dismiss();
+    this.gallery.value = false;
+    this.welcome.value = false;
     try {
       if (isProjectName(source.name)) {
         await this.#openProject(source);
@@ -103,8 +108,6 @@ export class Studio {
         this.enter(workspace.id);
         await workspace.open(source);
       }
-      dismiss();
-      this.gallery.value = false;
     } catch (error) {
       this.explain(`${source.name} cannot be opened`, error);
     }

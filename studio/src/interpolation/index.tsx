@@ -5,6 +5,7 @@ import { useEffect, useRef } from "preact/hooks";
 import type { Studio } from "../studio";
 import type { Workspace } from "../workspace";
 import { commands } from "./commands";
+import { Axes } from "../panels/Axes";
 import { Inspector } from "./panels/Inspector";
 import { Legend } from "./panels/Legend";
 import { Progress } from "./panels/Progress";
@@ -65,6 +66,7 @@ function View({ session }: { session: Session }) {
         )}
       </div>
       <Rail session={session} />
+      <Axes turns={session.turns} onView={(preset) => session.scene.peek()?.show(preset)} />
       <Inspector session={session} />
       <div class="over-view">
         <Legend session={session} />

@@ -1,7 +1,7 @@
 // From a document to what is on screen, step by step in the worker. The newest wish wins: what is in hand
 // for an older one is cancelled or thrown away.
 
-import { batch, signal } from "@preact/signals";
+import { batch, signal, untracked } from "@preact/signals";
 import type {
   Colouring,
   Design,
@@ -45,6 +45,12 @@ interface Step {
   run: () => Promise<void>;
 }
 
+/**
+ * Milliseconds that a fit nobody wants any more may still take. Most end within them, and so show something
+ * while a slider moves; to cancel costs the kernel a new start.
+ */
+const GRACE = 300;
+
 export class Pipeline {
   readonly info = signal<MeshInfo | null>(null);
   readonly given = signal<GivenMesh | null>(null);
@@ -61,6 +67,9 @@ export class Pipeline {
   #wish: Wish | null = null;
   #running: Promise<void> | null = null;
   #step: Step | null = null;
+  #stepSince = 0;
+  /** The timer that will cancel the fit in hand. */
+  #doomed: ReturnType<typeof setTimeout> | null = null;
   /** Cancelled by a person: rest until the design changes. */
   #stopped = false;
   /** Others that use the kernel and must not be disturbed: opening, dragging. */
@@ -75,7 +84,7 @@ export class Pipeline {
   #surfaceOf: { fit: number; fineness: Fineness; iteration: number | null } | null = null;
   #controlOf: { fit: number; iteration: number | null } | null = null;
   #surfaceNumber = 0;
-  #valuesOf: { surface: number; colouring: Colouring } | null = null;
+  #valuesOf: { surface: number; fit: number; colouring: Colouring } | null = null;
   /** Stages that failed, with the wish they failed for; not tried again until that part of it changes. */
   #failed = new Map<Stage, Wish>();
 
@@ -85,10 +94,22 @@ export class Pipeline {
 
   /** Says what should be on screen; null for nothing. */
   want(wish: Wish | null): void {
+    // Effects wish, and must not come to depend on what answers them.
+    untracked(() => this.#want(wish));
+  }
+
+  #want(wish: Wish | null): void {
     const before = this.#wish;
     this.#wish = wish;
     if (before?.design !== wish?.design || before?.source !== wish?.source) this.#stopped = false;
-    if (this.#step?.stage === "fit" && !this.#step.wanted()) void this.#kernel.cancel();
+    const step = this.#step;
+    if (step?.stage === "fit" && !step.wanted() && !this.#doomed) {
+      const left = Math.max(0, this.#stepSince + GRACE - performance.now());
+      this.#doomed = setTimeout(() => {
+        this.#doomed = null;
+        if (this.#step === step && !step.wanted()) void this.#kernel.cancel();
+      }, left);
+    }
     this.#start();
   }
 
@@ -162,6 +183,7 @@ export class Pipeline {
   /** Forgets everything, for example when the comparison is closed. */
   clear(): void {
     this.want(null);
+    if (this.#source === null) return;
     batch(() => {
       this.#source = null;
       this.#forget();
@@ -197,6 +219,9 @@ export class Pipeline {
     for (;;) {
       const step = this.#held > 0 ? null : this.#next();
       this.#step = step;
+      this.#stepSince = performance.now();
+      if (this.#doomed) clearTimeout(this.#doomed);
+      this.#doomed = null;
       this.stage.value = step?.stage ?? null;
       if (!step) return;
       const wish = this.#wish!;
@@ -224,20 +249,35 @@ export class Pipeline {
       return { stage: "open", wanted, run: async () => void (await this.#open(source, repairs)) };
     }
 
-    if (this.#design !== design) {
+    const fit = this.#fitNumber;
+    const s = this.#surfaceOf;
+    const isFine = s?.fineness.levels === fineness.levels && s.fineness.limit === fineness.limit;
+    const lacksSurface =
+      (s?.fit !== fit || !isFine || s.iteration !== iteration) &&
+      !this.#hasFailed("surface", (f) => f.design === design && f.fineness === fineness && f.iteration === iteration);
+
+    const number = this.#surfaceNumber;
+    const v = this.#valuesOf;
+    const lacksValues =
+      colouring !== null &&
+      this.surface.value !== null &&
+      (v?.surface !== number || v.colouring !== colouring) &&
+      !this.#hasFailed(
+        "values",
+        (f) =>
+          f.design === design && f.colouring === colouring && f.fineness === fineness && f.iteration === iteration,
+      );
+
+    // While a slider moves, every fit that ends is drawn and coloured before the next begins.
+    const isUndrawn = s?.fit !== fit ? lacksSurface : lacksValues && v?.fit !== fit;
+    if (this.#design !== design && !(this.#design !== null && isUndrawn)) {
       if (this.#stopped) return null;
       if (this.#hasFailed("fit", (f) => f.source === source && f.design === design)) return null;
       const wanted = () => this.#wish?.design === design && this.#wish.source === source;
       return { stage: "fit", wanted, run: () => this.#fit(design, wanted) };
     }
 
-    const fit = this.#fitNumber;
-    const s = this.#surfaceOf;
-    const isFine = s?.fineness.levels === fineness.levels && s.fineness.limit === fineness.limit;
-    if (
-      (s?.fit !== fit || !isFine || s.iteration !== iteration) &&
-      !this.#hasFailed("surface", (f) => f.design === design && f.fineness === fineness && f.iteration === iteration)
-    ) {
+    if (lacksSurface) {
       const wanted = () => this.#wish?.fineness === fineness && this.#wish.iteration === iteration;
       return {
         stage: "surface",
@@ -266,23 +306,13 @@ export class Pipeline {
       };
     }
 
-    const number = this.#surfaceNumber;
-    if (
-      colouring &&
-      this.surface.value &&
-      (this.#valuesOf?.surface !== number || this.#valuesOf.colouring !== colouring) &&
-      !this.#hasFailed(
-        "values",
-        (f) =>
-          f.design === design && f.colouring === colouring && f.fineness === fineness && f.iteration === iteration,
-      )
-    ) {
+    if (lacksValues) {
       return {
         stage: "values",
         wanted: () => this.#wish?.colouring === colouring,
         run: async () => {
           this.values.value = await this.#kernel.values(colouring);
-          this.#valuesOf = { surface: number, colouring };
+          this.#valuesOf = { surface: number, fit, colouring };
         },
       };
     }
@@ -299,8 +329,7 @@ export class Pipeline {
   }
 
   async #open(source: Source, repairs: readonly string[]): Promise<MeshInfo> {
-    // If it fails, whatever the worker had is gone, so that the next wish opens it again.
-    this.#source = null;
+    // If it fails, the worker keeps what it had.
     const work = this.#kernel.openMesh(source.bytes.slice(), source.name, [...repairs]);
     const info = await timed("open", work);
     const given = await this.#kernel.given();

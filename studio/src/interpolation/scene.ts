@@ -76,11 +76,13 @@ export class MeshScene {
     this.#main = new Stage(host, "The mesh and its surface", session, session.main, "a");
     const { viewport, view } = this.#main;
     this.#picker = new Picker(viewport, view);
-    viewport.onCamera = () => void (session.studio.cameraMoved.value += 1);
+    viewport.onCamera = () => void (session.studio.cameraMoved.value = session.studio.cameraMoved.peek() + 1);
+    viewport.onDraw = () => void (session.turns.value = viewport.axes());
     viewport.onView = () => this.#link(viewport, this.#other?.viewport);
 
     this.#gizmo = new TransformControls(viewport.camera, viewport.canvas);
     this.#gizmo.setSize(0.75);
+    this.#gizmo.setColors("#e5484d", "#46a758", "#3e7bfa", "#ffb224");
     viewport.scene.add(this.#handle, this.#gizmo.getHelper());
     this.#gizmo.addEventListener("change", () => viewport.invalidate());
     this.#gizmo.addEventListener("dragging-changed", ({ value }) => {
@@ -121,7 +123,7 @@ export class MeshScene {
         const camera = session.pendingCamera;
         session.pendingCamera = null;
         if (camera) viewport.view = camera;
-        else viewport.fit("iso", false);
+        else viewport.fit(session.firstLook ?? "iso", false);
       }),
       effect(() => this.#placeGizmo()),
     );

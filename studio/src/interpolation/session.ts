@@ -49,11 +49,15 @@ export class Session {
   readonly gesture = signal<Gesture>("click");
   readonly through = signal(false);
   readonly brushRadius = signal(24);
-  /** Length over which a tension fades from the selection, in the units of the file. */
+  /** How far a tension fades from the selection, in mean lengths of an edge. */
   readonly falloff = signal(0);
   readonly scene = signal<MeshScene | null>(null);
+  /** The directions of x, y and z on the screen, as they are drawn. */
+  readonly turns = signal<readonly Triple[]>([]);
   /** Where the camera shall be once there is something to see. */
   pendingCamera: Camera | null = null;
+  /** Where to look from at a mesh that was just opened. */
+  firstLook: Triple | null = null;
   onDrag: (answer: DragAnswer, moved: Indices, at: Float32Array) => void = () => {};
 
   readonly mesh = computed<MeshDocument | null>(() => this.studio.document.mesh);
@@ -118,6 +122,7 @@ export class Session {
   // -------------------------------------------------------------- files
 
   async open(source: Source, repairs: readonly string[] = [], replace = false): Promise<void> {
+    this.firstLook = source.look ?? null;
     try {
       const info = await this.main.open(source, repairs);
       const levels = suitableLevels(info.faceCount, info.mostCorners);
@@ -459,7 +464,7 @@ export class Session {
 export const TENSIONS: Record<Scheme, { min: number; max: number; plain: number } | null> = {
   loop: { min: 0.5, max: 1, plain: 0.5 },
   "catmull-clark": { min: 0.5, max: 1, plain: 0.5 },
-  "doo-sabin": { min: 0, max: 1, plain: 0.5 },
+  "doo-sabin": { min: 0.01, max: 1, plain: 0.5 },
   butterfly: null,
   kobbelt: null,
 };

@@ -1,7 +1,7 @@
-import { status } from "../announce";
 import type { Studio } from "../studio";
-import { message } from "../announce";
-import { Gallery, Help, MessageDialog, Performance } from "./dialogs";
+import { message, status } from "../announce";
+import { current } from "../workspace";
+import { Gallery, Help, MessageDialog, Performance, Welcome } from "./dialogs";
 import { TopBar } from "./TopBar";
 
 /** The frame around the workspaces. */
@@ -16,6 +16,7 @@ export function App({ studio }: { studio: Studio }) {
           {status.value}
         </span>
       </footer>
+      {studio.welcome.value && current.value === "interpolation" && <Welcome studio={studio} />}
       <Performance />
       {studio.gallery.value && <Gallery studio={studio} />}
       {studio.help.value && <Help studio={studio} />}

@@ -4,7 +4,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { ComponentChildren } from "preact";
 import * as actions from "../actions";
 import { dismiss, message } from "../announce";
-import { openSample, SAMPLES } from "../gallery";
+import { openSample, SAMPLES, type Sample } from "../gallery";
 import { keyLabel } from "../keys";
 import { measured, MEASURES, panelOpen, summary } from "../perf";
 import type { Studio } from "../studio";
@@ -129,6 +129,53 @@ export function Help({ studio }: { studio: Studio }) {
   );
 }
 
+function open(studio: Studio, sample: Sample): void {
+  openSample(sample).then(
+    (source) => studio.open(source),
+    (error: unknown) => studio.explain(`${sample.title} cannot be loaded`, error),
+  );
+}
+
+/** The samples as a strip, for the first minute. */
+export function Welcome({ studio }: { studio: Studio }) {
+  return (
+    <nav class="welcome card" aria-label="Samples" data-testid="welcome">
+      <div class="welcome-words">
+        <strong>Smooth surfaces through exactly the points you give.</strong>
+        <span>Open a mesh of your own, drop one anywhere, or try another sample.</span>
+      </div>
+      <div class="welcome-row">
+        <button type="button" class="button primary" onClick={() => actions.run("file.open")}>
+          Open…
+        </button>
+        {SAMPLES.map((sample) => (
+          <button
+            key={sample.file}
+            type="button"
+            class="thumb"
+            title={sample.says}
+            data-testid={`welcome-${sample.file}`}
+            onClick={() => open(studio, sample)}
+          >
+            <img src={`./samples/${sample.file}.png`} alt="" width="72" height="52" />
+            <span>{sample.title}</span>
+          </button>
+        ))}
+        <button
+          type="button"
+          class="icon-button"
+          aria-label="Hide the samples"
+          title="Hide the samples; G brings them back"
+          onClick={() => void (studio.welcome.value = false)}
+          data-testid="welcome-close"
+        >
+          <Icon name="close" />
+        </button>
+      </div>
+    </nav>
+  );
+}
+
 export function Gallery({ studio }: { studio: Studio }) {
   const close = () => void (studio.gallery.value = false);
   return (
@@ -139,12 +186,7 @@ export function Gallery({ studio }: { studio: Studio }) {
             <button
               type="button"
               data-testid={`sample-${sample.file}`}
-              onClick={() => {
-                openSample(sample).then(
-                  (source) => studio.open(source),
-                  (error: unknown) => studio.explain(`${sample.title} cannot be loaded`, error),
-                );
-              }}
+              onClick={() => open(studio, sample)}
             >
               <img src={`./samples/${sample.file}.png`} alt="" loading="lazy" width="160" height="110" />
               <strong>{sample.title}</strong>

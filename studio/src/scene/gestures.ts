@@ -67,7 +67,6 @@ export class Gestures {
 
   #onDown(event: PointerEvent): void {
     this.#pointers += event.isPrimary ? 1 - this.#pointers : 1;
-    this.#viewport.canvas.focus({ preventScroll: true });
     if (this.#pointers > 1) {
       // A second finger: the camera takes over.
       this.#cancel();

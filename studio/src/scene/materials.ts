@@ -103,12 +103,12 @@ export function surfaceMaterial(): THREE.ShaderMaterial {
         vec3 colour = albedo * light + gloss * (highlight + sheen);
 
         if (finish == 1) {
-          vec3 r = inverseTransformDirection(reflect(-eye, n), viewMatrix);
+          vec3 r = normalize((vec4(reflect(-eye, n), 0.0) * viewMatrix).xyz);
           float band = bands(acos(clamp(r.y, -1.0, 1.0)) / 3.14159265 * 24.0);
           vec3 own = coloured ? albedo : mix(vec3(0.95), albedo, 0.25);
           colour = own * mix(0.03, 1.0, band) * mix(light, vec3(1.0), 0.55);
         } else if (finish == 2) {
-          vec3 r = inverseTransformDirection(reflect(-eye, n), viewMatrix);
+          vec3 r = normalize((vec4(reflect(-eye, n), 0.0) * viewMatrix).xyz);
           float around = atan(r.y, r.z) / 3.14159265 * 16.0;
           float d = abs(fract(around) - 0.5);
           // The derivative jumps where the angle starts anew; the smaller one is right there.

@@ -166,7 +166,7 @@ export class MeshView {
     given: surfaceMaterial(),
     selection: overlayMaterial(0.62),
     hover: overlayMaterial(0.35),
-    surfaceEdges: lineMaterial(0.35, 5e-5),
+    surfaceEdges: lineMaterial(0.16, 5e-5),
     patches: lineMaterial(0.55),
     edges: lineMaterial(0.9),
     hiddenEdges: lineMaterial(0.22),

@@ -21,7 +21,7 @@ const parse = (text: string): Ramp =>
 export const RAMPS = { sequential: parse(VIRIDIS), diverging: parse(COOL_WARM) } as const;
 
 export function isDiverging(colouring: Colouring): boolean {
-  return colouring === "gaussian" || colouring === "mean" || colouring === "deviation";
+  return colouring === "gaussian" || colouring === "mean";
 }
 
 /** The ramp in `count` texels of RGBA. */

@@ -116,15 +116,15 @@ export class Viewport {
   }
 
   /** Shows everything, from where the camera looks or from a given side. */
-  fit(preset?: Preset, fly = true): void {
-    const towards = preset
-      ? new THREE.Vector3(...TOWARDS[preset])
+  fit(from?: Preset | Triple, fly = true): void {
+    const towards = from
+      ? new THREE.Vector3(...(typeof from === "string" ? TOWARDS[from] : from))
       : this.camera.position.clone().sub(this.controls.target);
     const { clientWidth: w, clientHeight: h } = this.canvas;
     const { left, right, top, bottom } = this.#insets;
     const slope = Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2));
     const free = Math.min(Math.max(h - top - bottom, 80), Math.max(w - left - right, 80)) / Math.max(h, 1);
-    const distance = (1.02 * this.#sphere.radius) / Math.sin(Math.atan(slope * free));
+    const distance = (0.88 * this.#sphere.radius) / Math.sin(Math.atan(slope * free));
     const position = this.#sphere.center.clone().addScaledVector(towards.normalize(), distance);
     this.#go(position, this.#sphere.center.clone(), fly);
   }
@@ -146,6 +146,12 @@ export class Viewport {
   /** A vector of space that goes so far to the right, up and towards the eye on the screen. */
   alongScreen(right: number, up: number, near: number): Triple {
     return new THREE.Vector3(right, up, near).applyQuaternion(this.camera.quaternion).toArray();
+  }
+
+  /** Where x, y and z point on the screen: right, up and towards the eye. */
+  axes(): Triple[] {
+    const turn = this.camera.quaternion.clone().invert();
+    return [0, 1, 2].map((i) => new THREE.Vector3().setComponent(i, 1).applyQuaternion(turn).toArray());
   }
 
   get view(): Camera {

@@ -1,12 +1,14 @@
 // What a person made: everything that is undone, saved and restored. Plain data, never changed in place.
 
-import type { Design, Fineness, MeshInfo } from "../kernel/api";
+import type { Design, Fineness, MeshInfo, Triple } from "../kernel/api";
 import { NONE, type Indices } from "./indices";
 
 /** A file as it was opened. */
 export interface Source {
   name: string;
   bytes: Uint8Array;
+  /** Where to look from at first, if that is known. */
+  look?: Triple;
 }
 
 export interface MeshDocument {

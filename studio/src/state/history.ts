@@ -37,11 +37,6 @@ export class History<T> {
     this.#present.value = next;
   }
 
-  /** Takes a new state that is nothing to undo, such as what the program found out by itself. */
-  amend(next: T): void {
-    this.#present.value = next;
-  }
-
   /** Ends a step that was still open, so that the next change is one of its own. */
   seal(): void {
     this.#open = null;

@@ -120,6 +120,7 @@ function FitSection({ session, design }: { session: Session; design: Design }) {
   const pipeline = session.pipeline.value;
   const fit = pipeline.fit.value;
   const history = pipeline.progress.value;
+  const updates = fit?.history.at(-1)?.iteration ?? 0;
   const set = session.setDesign.bind(session);
   const info = session.main.info.value;
   const needsTriangles = (info?.mostCorners ?? 3) > 3;
@@ -218,7 +219,7 @@ function FitSection({ session, design }: { session: Session; design: Design }) {
         <>
           <dl class="numbers" data-testid="fit-numbers">
             <dt>Updates</dt>
-            <dd data-testid="fit-iterations">{fit.history.length}</dd>
+            <dd data-testid="fit-iterations">{updates}</dd>
             <dt>Largest error</dt>
             <dd data-testid="fit-max">{fit.max.toExponential(2)}</dd>
             <dt>Mean error</dt>
@@ -244,15 +245,15 @@ function FitSection({ session, design }: { session: Session; design: Design }) {
         </>
       )}
       <Plot history={history} tolerance={design.tolerance} at={isMain ? iteration : null} />
-      {isMain && fit && fit.history.length > 1 && (
+      {isMain && fit && updates > 0 && (
         <Slider
           label="Replay"
           testid="replay"
-          value={iteration ?? fit.history.length}
+          value={iteration ?? updates}
           min={0}
-          max={fit.history.length}
+          max={updates}
           step={1}
-          onInput={(at) => void (session.iteration.value = at >= fit.history.length ? null : at)}
+          onInput={(at) => void (session.iteration.value = at >= updates ? null : at)}
         />
       )}
       <div class="buttons">
@@ -422,9 +423,7 @@ function SelectionSection({ session }: { session: Session }) {
 function TensionSection({ session, design }: { session: Session; design: Design }) {
   const range = TENSIONS[design.scheme];
   const mesh = session.mesh.value!;
-  const info = session.main.info.value;
   if (!range) return null;
-  const diagonal = info ? Math.hypot(...info.max.map((x, i) => x - info.min[i]!)) : 1;
   const selected = mesh.faces.length;
   return (
     <Section title="Tension" id="tension">
@@ -444,9 +443,9 @@ function TensionSection({ session, design }: { session: Session; design: Design 
         testid="falloff"
         value={session.falloff.value}
         min={0}
-        max={+(diagonal / 2).toPrecision(2)}
-        step={diagonal / 200}
-        format={short}
+        max={12}
+        step={0.25}
+        unit="edges"
         onInput={(value) => void (session.falloff.value = value)}
       />
       <Switch

@@ -12,13 +12,14 @@ export function Plot(props: { history: readonly Progress[]; tolerance: number; a
   const positive = history.flatMap((p) => [p.max, p.mean]).filter((x) => x > 0);
   const high = Math.ceil(Math.log10(Math.max(...positive, tolerance)));
   const low = Math.max(high - 18, Math.floor(Math.log10(Math.min(...positive, tolerance))));
-  const x = (i: number) => LEFT + (i / (history.length - 1)) * (W - LEFT - 4);
+  const updates = Math.max(1, history.at(-1)!.iteration);
+  const x = (iteration: number) => LEFT + (iteration / updates) * (W - LEFT - 4);
   const y = (value: number) => {
     const t = (Math.log10(Math.max(value, 10 ** low)) - low) / Math.max(1, high - low);
     return 4 + (1 - t) * (H - BOTTOM - 4);
   };
   const line = (of: (p: Progress) => number) =>
-    history.map((p, i) => `${i ? "L" : "M"}${x(i).toFixed(1)} ${y(of(p)).toFixed(1)}`).join("");
+    history.map((p, i) => `${i ? "L" : "M"}${x(p.iteration).toFixed(1)} ${y(of(p)).toFixed(1)}`).join("");
   const every = Math.max(1, Math.ceil((high - low) / 4));
   const ticks: number[] = [];
   for (let e = high; e >= low; e -= every) ticks.push(e);
@@ -28,7 +29,7 @@ export function Plot(props: { history: readonly Progress[]; tolerance: number; a
       class="plot"
       viewBox={`0 0 ${W} ${H}`}
       role="img"
-      aria-label={`Error over ${history.length} updates: largest ${last.max.toExponential(1)}, mean ${last.mean.toExponential(1)} at the end`}
+      aria-label={`Error over ${updates} updates: largest ${last.max.toExponential(1)}, mean ${last.mean.toExponential(1)} at the end`}
       data-testid="plot"
     >
       {ticks.map((e) => (
@@ -42,12 +43,12 @@ export function Plot(props: { history: readonly Progress[]; tolerance: number; a
       <line class="goal" x1={LEFT} x2={W - 4} y1={y(tolerance)} y2={y(tolerance)} />
       <path class="mean" d={line((p) => p.mean)} />
       <path class="max" d={line((p) => p.max)} />
-      {at !== null && <line class="now" x1={x(Math.min(at, history.length - 1))} x2={x(Math.min(at, history.length - 1))} y1={4} y2={H - BOTTOM} />}
+      {at !== null && <line class="now" x1={x(Math.min(at, updates))} x2={x(Math.min(at, updates))} y1={4} y2={H - BOTTOM} />}
       <text x={LEFT} y={H - 3}>
-        1
+        0
       </text>
       <text x={W - 4} y={H - 3} text-anchor="end">
-        {history.length}
+        {updates}
       </text>
       <text class="key max" x={W - 66} y={13}>
         max

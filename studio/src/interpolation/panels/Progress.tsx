@@ -14,7 +14,7 @@ export function Progress({ session }: { session: Session }) {
         <i />
       </div>
       <span>
-        {last.stage}, update {steps.length}: {last.max.toExponential(1)}
+        {last.stage}, update {last.iteration}: {last.max.toExponential(1)}
       </span>
       <Button onClick={() => void pipeline.cancel()} testid="cancel">
         Stop
