@@ -1,6 +1,6 @@
 // The two viewports of the workspace: the surface with its tangents, and the Gaussian sphere.
 
-import { effect } from "@preact/signals";
+import { effect, untracked } from "@preact/signals";
 import * as THREE from "three";
 import type { Triple } from "../kernel/api";
 import { pointMaterial } from "../scene/materials";
@@ -138,7 +138,8 @@ export class StreamScene {
       effect(() => this.#showSurfaces()),
       effect(() => {
         void session.drawn.value;
-        this.#frame();
+        // Apart from what it reads, or its own answers would call it again.
+        untracked(() => this.#frame());
       }),
       effect(() => this.#showValues()),
       effect(() => this.#showTangents()),
@@ -274,7 +275,7 @@ export class StreamScene {
     const camera = this.#session.pendingCamera;
     this.#session.pendingCamera = null;
     if (camera) this.#main.view = camera;
-    else this.#main.fit("iso", false);
+    else this.#main.fit(this.#session.firstLook ?? "iso", false);
     this.#turnTogether(this.#main, this.#ball);
   }
 

@@ -26,6 +26,7 @@ import { settings } from "../state/settings";
 import type { Studio } from "../studio";
 import {
   clampPlace,
+  fineLine,
   nameOf,
   patchesOf,
   tangentOf,
@@ -58,6 +59,8 @@ export class StreamSession {
   readonly scene = signal<StreamScene | null>(null);
   /** Where the camera shall be once there is something to see. */
   pendingCamera: Camera | null = null;
+  /** Where to look from at a model that was just opened. */
+  firstLook: Triple | null = null;
 
   /** The patch that is worked on, and its selected tangent. */
   readonly patch = signal(0);
@@ -140,9 +143,10 @@ export class StreamSession {
 
   // -------------------------------------------------------------- files
 
-  async open({ bytes, name }: Source): Promise<void> {
+  async open({ bytes, name, look }: Source): Promise<void> {
     await this.idle();
     const { model, patches } = await timed("open", this.kernel.openModel(bytes.slice(), name));
+    this.firstLook = look ?? null;
     batch(() => {
       this.#take(model, patches);
       this.patch.value = 0;
@@ -203,6 +207,22 @@ export class StreamSession {
   /** Changes fields of the patch that is worked on. */
   change(part: Partial<Record<keyof Patch, unknown>>, label: string, key: string | null = null): void {
     this.commit(withPatch(this.model.peek(), this.patch.peek(), part), label, key);
+  }
+
+  /**
+   * A point of the surface for each row of tangents, where the streamlines start: on the initial curve if that is
+   * at their beginnings or ends, near it otherwise.
+   */
+  startPlaces(): Triple[] {
+    const [patch, geometry] = [this.current.peek(), this.geometry.peek()];
+    if (!patch || !geometry) return [];
+    const { rowCount, columnCount, positions } = geometry;
+    const share = patch.s0 === "max" ? 1 : typeof patch.s0 === "object" ? patch.s0.fraction : 0;
+    const column = Math.round(Math.min(1, Math.max(0, share)) * (columnCount - 1));
+    return patch.tangents.map((_, k) => {
+      const at = 3 * (fineLine(k, patch.tangents.length, rowCount) * columnCount + column);
+      return [positions[at]!, positions[at + 1]!, positions[at + 2]!];
+    });
   }
 
   /** Moves a point of the initial curve. */
@@ -266,6 +286,15 @@ export class StreamSession {
     if (!base) return;
     this.#base = base;
     this.#want({ patch: this.patch.peek(), place: this.place.peek(), to: (kernel) => to(kernel, base) });
+  }
+
+  /** Inserts a row or column before the selected place, or deletes the one there. */
+  async changeGrid(kind: Exclude<ModelChange["kind"], "mirror">, label: string): Promise<void> {
+    const { row, column } = this.place.peek();
+    const at = kind.endsWith("row") ? row : column;
+    // Inserted between two; there is nothing before the first.
+    const index = kind.startsWith("insert") ? Math.max(1, at) : at;
+    await this.edit({ kind, patch: this.patch.peek(), index }, label);
   }
 
   /** Changes the structure by the kernel. */
