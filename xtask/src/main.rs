@@ -10,6 +10,7 @@ mod guide;
 mod machine;
 mod new_user;
 mod test;
+mod wasm;
 
 const HELP: &str = "\
 cargo xtask test                    all tests: unit, integration, documentation, the kernel without
@@ -29,6 +30,8 @@ cargo xtask bench tessellation [--write]
 cargo xtask bench io [--write]      the same of every file format; docs/performance-io.md
 cargo xtask fuzz [SECONDS] [TARGET] every fuzz target, or one, for so long each [30]
 cargo xtask guide                   the pictures of the guide, anew
+cargo xtask wasm [--release]        the kernel for the browser, into studio/src/kernel/wasm/; with
+                                    --release also made smaller
 cargo xtask help                    this";
 
 fn main() -> ExitCode {
@@ -48,6 +51,9 @@ fn main() -> ExitCode {
         ["bench", "io", "--write"] => bench::run(&bench::FILES, &[], true),
         ["fuzz", rest @ ..] => fuzz::run(rest),
         ["guide"] => guide::run(),
+        ["wasm"] => wasm::run(false),
+        ["wasm", "--release"] => wasm::run(true),
+        ["wasm-bindings", wasm, place] => wasm::bindings(wasm, place),
         [] | ["help" | "--help" | "-h"] => {
             println!("{HELP}");
             Ok(())

@@ -4,9 +4,9 @@ use std::error::Error as _;
 use std::fmt::Write as _;
 
 use fairform::{Error, Faces, Vec3};
+use fairform_io::repair;
 
 use crate::input::Source;
-use crate::steps;
 
 /// An error for a person: what went wrong and, where there is one, the way out.
 #[derive(Debug)]
@@ -67,7 +67,7 @@ pub(crate) fn in_mesh(
         return failure;
     }
     let failure = Failure { message: format!("{} [counted from 0]", failure.message), ..failure };
-    match steps::remedy(positions, faces) {
+    match repair::remedy(positions, faces, true) {
         Some(steps) => failure.help(source.repair(&steps)),
         None => failure,
     }

@@ -3,12 +3,12 @@
 use std::fmt;
 use std::path::Path;
 
+use fairform_io::repair::Steps;
 use fairform_io::{Blocks, Error, Format, MeshData, Shape, WriteOptions};
 
 use crate::args::{Input, Writing};
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::steps::Steps;
 
 /// Where a mesh comes from. Shown as a user knows it.
 #[derive(Debug, Clone, Copy)]

@@ -7,7 +7,6 @@ mod failure;
 mod input;
 mod models;
 mod rules;
-mod steps;
 mod surface;
 
 use std::process::ExitCode;

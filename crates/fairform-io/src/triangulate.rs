@@ -29,6 +29,19 @@ pub(crate) struct Triangles<'a> {
     pub(crate) dropped: usize,
 }
 
+/// All faces as triangles of vertices in their sense of turning, and the face of each. Quadrilaterals are
+/// cut along the shorter diagonal, or the one inside; larger polygons become fans if they are convex,
+/// otherwise their ears are cut off. Faces with fewer than three corners have none.
+///
+/// # Panics
+/// If a face lists a vertex without a position.
+#[must_use]
+pub fn triangles(positions: &[Vec3], faces: &Faces) -> (Vec<[u32; 3]>, Vec<u32>) {
+    let made = Triangles::new(positions, faces);
+    let face_of = (0..made.corners.len()).map(|t| made.face_of(t) as u32).collect();
+    (made.corners.into_owned(), face_of)
+}
+
 impl<'a> Triangles<'a> {
     pub(crate) fn new(positions: &[Vec3], faces: &'a Faces) -> Self {
         if faces.uniform_size() == Some(3) {

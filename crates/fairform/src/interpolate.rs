@@ -475,6 +475,33 @@ impl<'t> Interpolator<'t> {
         Ok((scaled.back(&control), report))
     }
 
+    /// The control values that [`fit`](Self::fit) has after so many updates, counted through all stages:
+    /// those it begins with after none, its result if it makes no more. Of [`Method::OnePass`] those of
+    /// [`Method::Auto`].
+    ///
+    /// # Errors
+    /// As [`fit`](Self::fit).
+    ///
+    /// # Panics
+    /// As [`fit`](Self::fit).
+    pub fn after(
+        &self,
+        target: &[Vec3],
+        options: &Options,
+        mut updates: u32,
+    ) -> Result<Vec<Vec3>, Error> {
+        let scaled = self.scaled(target, options)?;
+        let mut control = scaled.start.as_ref().unwrap_or(&scaled.target).clone();
+        let solver = Solver::Method(options.method);
+        for stage in &self.stages {
+            let stop = Stop { max_updates: scaled.stop.max_updates.min(updates), ..scaled.stop };
+            let mut go_on = |_| ControlFlow::Continue(());
+            let report = stage.fit(&scaled.target, &mut control, solver, stop, &mut go_on)?;
+            updates -= report.last().updates;
+        }
+        Ok(scaled.back(&control))
+    }
+
     fn scaled(&self, target: &[Vec3], options: &Options) -> Result<Scaled, Error> {
         options.check()?;
         assert_eq!(target.len(), self.topology.vertex_count(), "one target per vertex");

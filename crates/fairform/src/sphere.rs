@@ -27,7 +27,7 @@ mod mesh;
 mod qi;
 mod step;
 
-pub use blend::{angle, blend, carry, midpoint, weighted};
+pub use blend::{angle, blend, carry, midpoint, rotated, weighted, with_component};
 pub use combine::combine;
 pub use error::Error;
 pub use mean::{exp, log, mean, weighted_mean};

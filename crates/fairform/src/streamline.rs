@@ -39,6 +39,7 @@ mod initial;
 mod integrate;
 mod normals;
 mod stitch;
+mod structure;
 mod surface;
 mod swap;
 

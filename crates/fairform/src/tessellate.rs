@@ -402,6 +402,21 @@ impl Tessellation {
         numbers
     }
 
+    /// How many points [`patch_numbers`](Self::patch_numbers) has for a face.
+    ///
+    /// # Panics
+    /// If there is no such face.
+    #[must_use]
+    pub fn patch_size(&self, face: FaceId) -> usize {
+        match &self.plan {
+            Some(plan) => plan.grid.point_count(),
+            None => {
+                let corners = self.base().face_halfedges(face).len();
+                corners * self.squares.as_ref().map_or(1, Squares::point_count)
+            }
+        }
+    }
+
     /// The faces that a face of the base is cut into, in the points of
     /// [`patch_numbers`](Self::patch_numbers).
     ///

@@ -9,7 +9,7 @@ use fairform::fair::Energy;
 use fairform::interpolate::{self, FitReport, Interpolator, Observer, Options, StageName};
 use fairform::solve::{Outcome, Step};
 use fairform::{Mesh, Rules, Topology};
-use fairform_io::{Format, MeshData};
+use fairform_io::{Format, MeshData, repair};
 use fairform_render::{Body, Colour, Dot, Line, Panel, Series, View};
 use serde_json::{Value, json};
 
@@ -18,7 +18,6 @@ use crate::console::{Console, Progress, count};
 use crate::failure::Failure;
 use crate::input::{self, Source};
 use crate::rules;
-use crate::steps;
 use crate::surface::{Finish, Made, Surface, check_memory};
 
 /// The sample that is fitted when there is no input.
@@ -187,11 +186,11 @@ fn options(args: &Fit) -> Options {
 
 /// Vertices that were split, by texture seams say, leave gaps in the surface.
 fn warn_of_seams(mesh: &Mesh, source: &Source, console: &Console) {
-    if let Some(steps) = steps::joining(mesh) {
+    if let Some(steps) = repair::joining(mesh) {
         console.note(format!(
             "warning: {source}: {} vertices lie exactly on others, where the surface may gape; \
              to join them:\n  {}",
-            count(steps::coincident(mesh.positions())),
+            count(repair::coincident(mesh.positions())),
             source.repair(&steps)
         ));
     }

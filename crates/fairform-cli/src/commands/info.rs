@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use fairform::interpolate::{Interpolator, StageName};
 use fairform::repair::Soup;
 use fairform::{Bounds, Defect, Error, Faces, Mesh, Scheme, pushback};
+use fairform_io::repair::{self, Steps, coincident};
 use fairform_io::{MeshData, streamline};
 use serde_json::{Value, json};
 
@@ -17,7 +18,6 @@ use crate::failure::Failure;
 use crate::input::{self, Source};
 use crate::models::{self, short};
 use crate::rules;
-use crate::steps::{self, Steps, coincident};
 use crate::surface::Surface;
 
 pub(crate) fn run(args: &Info, console: &Console) -> Result<ExitCode, Failure> {
@@ -233,8 +233,8 @@ impl Facts {
     fn new(data: MeshData) -> Self {
         let sound = Mesh::new(data.positions.clone(), &data.faces);
         let remedy = match &sound {
-            Ok(mesh) if mesh.topology().uniform_face_size() == Some(3) => steps::joining(mesh),
-            _ => steps::remedy(&data.positions, &data.faces),
+            Ok(mesh) if mesh.topology().uniform_face_size() == Some(3) => repair::joining(mesh),
+            _ => repair::remedy(&data.positions, &data.faces, true),
         };
         let mut kinds = BTreeMap::new();
         let mut used = vec![false; data.positions.len()];

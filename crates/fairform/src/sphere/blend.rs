@@ -74,10 +74,35 @@ pub fn carry(from: Vec3, to: Vec3, t: Vec3) -> Vec3 {
     rotated(axis, theta, t).normalized()
 }
 
-/// A vector, turned about a unit axis.
-pub(super) fn rotated(axis: Vec3, angle: f64, v: Vec3) -> Vec3 {
+/// A vector, turned about a unit axis by an angle.
+#[must_use]
+pub fn rotated(axis: Vec3, angle: f64, v: Vec3) -> Vec3 {
     let (sine, cosine) = (libm::sin(angle), libm::cos(angle));
     cosine * v + sine * axis.cross(v) + (1.0 - cosine) * axis.dot(v) * axis
+}
+
+/// The direction with coordinate `axis` set to `value`, of which -1 to 1 counts, and the other two in the
+/// same proportion, so that its length stays one. Of a direction along the axis, which has no such
+/// proportion, the next coordinate takes what is left.
+///
+/// # Panics
+/// If `axis > 2`.
+#[must_use]
+pub fn with_component(t: Vec3, axis: usize, value: f64) -> Vec3 {
+    assert!(axis < 3, "a direction has axes 0, 1, 2, not {axis}");
+    let value = value.clamp(-1.0, 1.0);
+    let mut new = <[f64; 3]>::from(t);
+    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+    let (old, left) = (libm::hypot(new[i], new[j]), libm::sqrt((1.0 - value) * (1.0 + value)));
+    new[axis] = value;
+    if old > PARALLEL {
+        new[i] *= left / old;
+        new[j] *= left / old;
+    } else {
+        new[i] = left;
+        new[j] = 0.0;
+    }
+    Vec3::from(new).normalized()
 }
 
 /// Unit axis and angle in $`[0, \pi]`$ of the rotation along the great circle from `t0` to `t1`.

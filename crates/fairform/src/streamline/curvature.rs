@@ -3,7 +3,7 @@
 use crate::Vec3;
 use crate::sphere;
 
-use super::{Grid, Surface};
+use super::{Grid, Integration, Surface};
 
 /// Curvature of all streamlines of a surface between neighbouring tangents, where the natural curve
 /// is a circular arc: row by row, one value less than there are tangents.
@@ -28,6 +28,31 @@ impl Curvature {
             arcs.map(|(k, s)| k.dot(*k) * (s[1] - s[0])).sum()
         };
         rows.map(row).sum()
+    }
+
+    /// The curvature vectors at the points of the surface. The midpoint rule has a point in the middle of
+    /// each arc; elsewhere it is the mean of both sides, and at the ends the first and the last. Zero on
+    /// streamlines with one tangent.
+    #[must_use]
+    pub fn at_points(&self, surface: &Surface) -> Grid<Vec3> {
+        let is_between = surface.model().integration == Integration::Midpoint;
+        let count = surface.points().column_count();
+        let of_row = |vectors: &[Vec3]| -> alloc::vec::Vec<Vec3> {
+            let Some(last) = vectors.len().checked_sub(1) else {
+                return alloc::vec![Vec3::ZERO; count];
+            };
+            let at = |i: usize| {
+                let (before, after) =
+                    (vectors[i.saturating_sub(1).min(last)], vectors[i.min(last)]);
+                if is_between { before } else { 0.5 * (before + after) }
+            };
+            (0..count).map(at).collect()
+        };
+        // A row of no vectors is a row still.
+        if self.vector.column_count() == 0 {
+            return Grid::filled(surface.points().row_count(), count, Vec3::ZERO);
+        }
+        Grid::collected(self.vector.rows().map(of_row))
     }
 }
 

@@ -87,6 +87,19 @@ impl Tessellation {
         parents
     }
 
+    /// For each face the face of the base that it is a part of, as
+    /// [`fill_faces`](Self::fill_faces) has them.
+    #[must_use]
+    pub fn base_of_faces(&self) -> Vec<u32> {
+        let base = self.base();
+        let count = |f: usize| match &self.squares {
+            Some(squares) => squares.size(base, f..f + 1)[0],
+            None => self.plan.as_ref().map_or(1, |plan| plan.grid.face_count()),
+        };
+        let faces = 0..base.face_count();
+        faces.flat_map(|f| core::iter::repeat_n(f as u32, count(f))).collect()
+    }
+
     /// Carries one value per face corner of the control mesh over to the corners of the base, linearly
     /// within each face, as [`apply_to_corners`](refine::Refined::apply_to_corners) does.
     ///

@@ -110,7 +110,7 @@ impl Squares {
     }
 
     /// How many faces there are in some faces of the base, and how many corners they have.
-    fn size(&self, base: &Topology, faces: Range<usize>) -> [usize; 2] {
+    pub(super) fn size(&self, base: &Topology, faces: Range<usize>) -> [usize; 2] {
         let between = self.side - 1;
         let (mut corners, mut quadrilaterals) = (0, 0);
         for f in faces.clone() {

@@ -1,0 +1,6 @@
+//! The sessions behind the studio's page.
+
+mod common;
+mod drags;
+mod meshes;
+mod models;
