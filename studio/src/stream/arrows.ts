@@ -186,8 +186,8 @@ export class Arrows {
     for (let i = 0; i < this.#count; i += 1) {
       const column = i % this.#columnCount;
       const grown = i === this.#selected || i === this.#hovered ? 1.35 : 1;
-      const head = this.#length * 0.3 * sizeOf(column) * grown;
-      const thick = this.#length * 0.022 * grown;
+      const head = this.#length * 0.36 * sizeOf(column) * grown;
+      const thick = this.#length * 0.026 * grown;
       this.footOf(i, foot);
       direction.fromArray(this.#tangents, 3 * i);
       turn.setFromUnitVectors(UP, direction);

@@ -19,6 +19,9 @@ import { Sphere } from "./sphere";
 /** What can be dragged in the scene: the tip of a tangent, or a point of the initial curve. */
 type Thing = { kind: "tangent"; index: number } | { kind: "initial"; index: number };
 
+/** Length of an arrow, relative to the radius of the model. */
+const ARROW = 0.15;
+
 const sameThing = (a: Thing, b: Thing) => a.kind === b.kind && a.index === b.index;
 
 /** A few words over a canvas that stay where a point of space is. */
@@ -78,7 +81,7 @@ export class StreamScene {
     this.#ball.controls.enablePan = false;
     this.#ball.controls.zoomToCursor = false;
     this.#ball.scene.add(this.#sphere.root);
-    const reach = 1.16 / Math.sqrt(3);
+    const reach = 1.25 / Math.sqrt(3);
     this.#ball.setBounds(new THREE.Box3(new THREE.Vector3(-reach, -reach, -reach), new THREE.Vector3(reach, reach, reach)));
     this.#main.scene.add(this.#arrows.root, ...Object.values(this.#initial));
     this.#arrows.root.renderOrder = 20;
@@ -266,7 +269,8 @@ export class StreamScene {
     if (box.isEmpty()) return;
     const before = this.#box;
     this.#box = box;
-    this.#main.setBounds(box);
+    // With room for the arrows.
+    this.#main.setBounds(box.clone().expandByScalar(0.08 * box.getSize(new THREE.Vector3()).length()));
     const [old, now] = [before ?? box, box].map((b) => b.getBoundingSphere(new THREE.Sphere())) as [THREE.Sphere, THREE.Sphere];
     this.#session.size.value = now.radius;
     const isElsewhere =
@@ -296,7 +300,7 @@ export class StreamScene {
     this.#arrows.root.visible = arrows && geometry !== null;
     if (geometry) {
       const columnCount = session.infos.value[session.patch.value]?.columnCount ?? 1;
-      this.#arrows.set(geometry.feet, geometry.tangents, columnCount, 0.13 * session.size.value * arrowSize);
+      this.#arrows.set(geometry.feet, geometry.tangents, columnCount, ARROW * session.size.value * arrowSize);
       this.#arrows.mark(this.#indexOf(session.place.value), this.#hovered());
     }
     this.#main.invalidate();

@@ -55,7 +55,6 @@ export interface Hovered extends Place {
 
 export class StreamSession {
   readonly studio: Studio;
-  readonly kernel: StreamKernel;
   readonly scene = signal<StreamScene | null>(null);
   /** Where the camera shall be once there is something to see. */
   pendingCamera: Camera | null = null;
@@ -98,6 +97,8 @@ export class StreamSession {
   /** Radius of what is shown, the measure of arrows and combs; 0 until it is known. */
   readonly size = signal(0);
 
+  /** One of its own, so that no fit of a mesh is waited for; made when it is first needed. */
+  #kernel: StreamKernel | null = null;
   #held: unknown = null;
   #isOpen = false;
   /** A model that the kernel refused; not tried again. */
@@ -113,7 +114,6 @@ export class StreamSession {
 
   constructor(studio: Studio) {
     this.studio = studio;
-    this.kernel = studio.kernel;
     effect(() => {
       void this.model.value;
       void this.patch.value;
@@ -136,6 +136,11 @@ export class StreamSession {
     });
   }
 
+  get kernel(): StreamKernel {
+    this.#kernel ??= this.studio.newKernel();
+    return this.#kernel;
+  }
+
   /** Resolves when the kernel has nothing left to do. */
   async idle(): Promise<void> {
     while (this.#running) await this.#running;
@@ -150,7 +155,9 @@ export class StreamSession {
     batch(() => {
       this.#take(model, patches);
       this.patch.value = 0;
-      this.place.value = { row: 0, column: 0 };
+      // In the middle, where it is seen best.
+      const half = (count: number) => Math.floor(count / 2);
+      this.place.value = { row: half(patches[0]?.rowCount ?? 0), column: half(patches[0]?.columnCount ?? 0) };
       const document = this.studio.history.present.peek();
       this.studio.history.commit({ ...document, model }, `Open ${name}`);
     });

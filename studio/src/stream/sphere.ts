@@ -8,13 +8,13 @@ import { ringColour, shapeOf, sizeOf, type TangentPalette } from "./arrows";
 
 /** Everything on the sphere is drawn a little outside, so that what veils the far side lies below it. */
 const LIFT = 1.004;
-const POINT_SIZE = 15;
+const POINT_SIZE = 16;
 
 function ballMaterial(): THREE.ShaderMaterial {
   return new THREE.ShaderMaterial({
     transparent: true,
     depthWrite: false,
-    uniforms: { colour: { value: new THREE.Color() }, ink: { value: new THREE.Color() }, veil: { value: 0.62 } },
+    uniforms: { colour: { value: new THREE.Color() }, ink: { value: new THREE.Color() }, veil: { value: 0.38 } },
     vertexShader: /* glsl */ `
       varying vec3 vNormal;
       varying vec3 vPlace;
