@@ -18,8 +18,8 @@ export class PatchView {
   readonly root = new THREE.Group();
   readonly #materials = {
     surface: surfaceMaterial(),
-    streamlines: lineMaterial(0.8, 2e-4),
-    fine: lineMaterial(0.28, 1e-4),
+    streamlines: lineMaterial(0.8, 6e-5),
+    fine: lineMaterial(0.28, 5e-5),
     wire: lineMaterial(0.3, 5e-5),
     combs: lineMaterial(0.75, 1e-4),
     chosen: new LineMaterial({ linewidth: 3.5, polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -4 }),

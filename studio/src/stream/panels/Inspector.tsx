@@ -145,6 +145,7 @@ function TangentSection({ session }: { session: StreamSession }) {
         <Stepper label="Streamline" testid="row" value={row} count={info.rowCount} onChange={(r) => session.select({ row: r, column })} />
         <Stepper label="Tangent" testid="column" value={column} count={info.columnCount} onChange={(c) => session.select({ row, column: c })} />
       </div>
+      <div class="components">
       {(["x", "y", "z"] as const).map((name, i) => (
         <Slider
           key={name}
@@ -154,11 +155,12 @@ function TangentSection({ session }: { session: StreamSession }) {
           min={-1}
           max={1}
           step={0.001}
-          format={(x) => x.toFixed(4)}
+          format={(x) => x.toFixed(3)}
           onInput={(value) => session.setComponent(i as 0 | 1 | 2, value)}
           onEnd={() => session.seal()}
         />
       ))}
+      </div>
       <Segmented
         label="Turn about"
         testid="axis"
