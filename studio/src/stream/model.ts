@@ -145,6 +145,33 @@ export function replaced<T>(list: readonly T[], index: number, value: T): T[] {
   return list.map((old, i) => (i === index ? value : old));
 }
 
+// ---------------------------------------------------------------- finer levels
+
+function isAt(detail: Detail, level: number, { row, column }: Place): boolean {
+  return detail.level === level && detail.row === row && detail.column === column;
+}
+
+export function detailAt(patch: Patch, level: number, place: Place): Detail | null {
+  return patch.details?.find((detail) => isAt(detail, level, place)) ?? null;
+}
+
+/** The model with a tangent set at a finer level, in place of what was set there before. */
+export function withDetail(model: unknown, index: number, detail: Detail): unknown {
+  const old = patchesOf(model)[index]?.details ?? [];
+  return withPatch(model, index, { details: [...old.filter((d) => !isAt(d, detail.level, detail)), detail] });
+}
+
+/** The model without the details that `gone` names. */
+export function withoutDetails(model: unknown, index: number, gone: (detail: Detail) => boolean): unknown {
+  const details = (patchesOf(model)[index]?.details ?? []).filter((detail) => !gone(detail));
+  return withPatch(model, index, { details: details.length > 0 ? details : undefined });
+}
+
+/** The model refined just so far, such that each refined tangent stands at a point of its own. */
+export function atLevel(model: unknown, level: number): unknown {
+  return withAllPatches(model, { depth: level, integration: "arcs" });
+}
+
 // ---------------------------------------------------------------- arc-length parameters
 
 /** The arc-length parameters of a patch, also if it only gives lengths. */

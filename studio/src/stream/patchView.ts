@@ -89,28 +89,26 @@ export class PatchView {
     this.#lines.combs.visible = false;
   }
 
-  /** The streamline that is drawn thick, by its row of tangents; null for none. */
-  setChosen(row: number | null): void {
+  /** The streamline that is drawn thick, as a row of points; null for none. */
+  setChosen(line: number | null): void {
     const geometry = this.#geometry;
-    const info = this.#info;
-    this.#chosen.visible = row !== null && geometry !== null;
-    if (row === null || !geometry || !info) return;
-    const line = fineLine(row, info.rowCount, geometry.rowCount);
+    this.#chosen.visible = line !== null && geometry !== null;
+    if (line === null || !geometry) return;
     const pairs = segments(geometry.positions, line * geometry.columnCount, geometry.columnCount);
     this.#chosen.geometry.dispose();
     this.#chosen.geometry = new LineSegmentsGeometry().setPositions(pairs);
   }
 
-  /** Combs of all points; drawn on one streamline, or on those of all rows of tangents. */
-  setCombs(combs: Float32Array | null, row: number | null): void {
+  /** Combs of all points; drawn on one row of points, or on the streamlines of all rows of tangents. */
+  setCombs(combs: Float32Array | null, only: number | null): void {
     const geometry = this.#geometry;
     const info = this.#info;
     const line = this.#lines.combs;
     const fits = geometry && info && combs?.length === 2 * geometry.positions.length;
     line.visible = Boolean(fits);
     if (!fits || !combs) return;
-    const rows = row === null ? numbers(info.rowCount) : [row];
-    const fine = rows.map((r) => fineLine(r, info.rowCount, geometry.rowCount));
+    const fine =
+      only === null ? numbers(info.rowCount).map((r) => fineLine(r, info.rowCount, geometry.rowCount)) : [only];
     const made = new THREE.BufferGeometry();
     made.setAttribute("position", new THREE.BufferAttribute(combs, 3));
     made.setIndex(new THREE.BufferAttribute(combLines(fine, geometry.columnCount), 1));

@@ -249,13 +249,15 @@ export class StreamScene {
       this.#patches.push(view);
     }
     const { stream } = all;
-    const row = stream.sphere === "all" ? null : session.place.value.row;
+    const { row } = session.place.value;
+    const control = session.control.value;
     this.#patches.forEach((view, i) => {
       view.setGeometry(geometries[i]!, infos[i]!);
       view.setSettings(all);
       const isCurrent = i === patch;
-      view.setChosen(isCurrent && stream.sphere === "row" && stream.streamlines ? session.place.value.row : null);
-      view.setCombs(isCurrent && stream.combs ? session.combs.value : null, row);
+      const line = control && stream.sphere !== "all" ? fineLine(row, control.rowCount, geometries[i]!.rowCount) : null;
+      view.setChosen(isCurrent && stream.sphere === "row" && stream.streamlines ? line : null);
+      view.setCombs(isCurrent && stream.combs ? session.combs.value : null, line);
     });
     this.#main.invalidate();
   }
@@ -295,12 +297,14 @@ export class StreamScene {
 
   #showTangents(): void {
     const session = this.#session;
-    const geometry = session.geometry.value;
+    const control = session.control.value;
     const { arrows, arrowSize } = settings.value.stream;
-    this.#arrows.root.visible = arrows && geometry !== null;
-    if (geometry) {
-      const columnCount = session.infos.value[session.patch.value]?.columnCount ?? 1;
-      this.#arrows.set(geometry.feet, geometry.tangents, columnCount, ARROW * session.size.value * arrowSize);
+    this.#arrows.root.visible = arrows && control !== null;
+    if (control) {
+      const { feet, tangents, rowCount, columnCount } = control;
+      // Many would hide the surface, if they were as long as few.
+      const crowd = Math.min(1, Math.max(0.3, Math.sqrt(70 / (rowCount * columnCount))));
+      this.#arrows.set(feet, tangents, columnCount, ARROW * session.size.value * arrowSize * crowd);
       this.#arrows.mark(this.#indexOf(session.place.value), this.#hovered());
     }
     this.#main.invalidate();
@@ -308,19 +312,18 @@ export class StreamScene {
 
   #showMarks(): void {
     const session = this.#session;
-    const geometry = session.geometry.value;
-    const info = session.infos.value[session.patch.value];
+    const control = session.control.value;
     const place = session.place.value;
     const hovered = this.#hovered();
-    if (!geometry || !info) {
+    if (!control) {
       this.#sphere.setMarks({ tangents: new Float32Array(0), indices: [], columnCount: 1, selected: -1, hovered: -1 });
     } else {
-      const { columnCount } = info;
+      const { columnCount, tangents } = control;
       const indices = this.#shownIndices();
       // What is pointed at in the scene lights up here, also if its row is not shown.
       if (hovered >= 0 && !indices.includes(hovered)) indices.push(hovered);
       const selected = place.row * columnCount + place.column;
-      this.#sphere.setMarks({ tangents: geometry.tangents, indices, columnCount, selected, hovered });
+      this.#sphere.setMarks({ tangents, indices, columnCount, selected, hovered });
     }
     this.#showLabels(hovered);
     this.#ball.invalidate();
@@ -343,7 +346,7 @@ export class StreamScene {
   #showCurves(): void {
     const session = this.#session;
     const geometry = session.geometry.value;
-    const info = session.infos.value[session.patch.value];
+    const info = session.control.value;
     const { stream } = settings.value;
     const { row, column } = session.place.value;
     let pairs: Float32Array | null = null;
@@ -366,7 +369,7 @@ export class StreamScene {
       }
     }
     this.#sphere.setCurves(pairs);
-    const arcs = stream.arcs ? session.arcs.value : null;
+    const arcs = stream.arcs && session.level.value === 0 ? session.arcs.value : null;
     const perLine = (stream.sphere === "column" ? (info?.rowCount ?? 1) : (info?.columnCount ?? 1)) - 1;
     const line = stream.sphere === "column" ? column : row;
     this.#sphere.setArcs(arcs, ARC_STEPS, stream.sphere === "all" ? null : [line * perLine, (line + 1) * perLine]);
@@ -417,7 +420,7 @@ export class StreamScene {
   }
 
   #tangent(index: number): THREE.Vector3 {
-    const tangents = this.#session.geometry.peek()?.tangents ?? new Float32Array(0);
+    const tangents = this.#session.control.peek()?.tangents ?? new Float32Array(0);
     return new THREE.Vector3().fromArray(tangents, 3 * index);
   }
 
@@ -428,7 +431,7 @@ export class StreamScene {
 
   /** The tangents that the sphere shows. */
   #shownIndices(): number[] {
-    const info = this.#session.infos.value[this.#session.patch.value];
+    const info = this.#session.control.value;
     if (!info) return [];
     const { row, column } = this.#session.place.value;
     const { sphere } = settings.value.stream;

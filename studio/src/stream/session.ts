@@ -24,14 +24,18 @@ import type { Source } from "../state/document";
 import type { Camera } from "../state/project";
 import { settings } from "../state/settings";
 import type { Studio } from "../studio";
+import { Levels, tripleAt, type ControlGrid } from "./levels";
 import {
   clampPlace,
+  detailAt,
   fineLine,
   nameOf,
   patchesOf,
   tangentOf,
   withHandle,
+  withoutDetails,
   withAllPatches,
+  withDetail,
   withPatch,
   withTangent,
   type Patch,
@@ -45,6 +49,7 @@ export const ARC_STEPS = 17;
 /** A tangent that shall be set, and to what; `to` may have to ask the kernel. */
 interface Move {
   patch: number;
+  level: number;
   place: Place;
   to: (kernel: StreamKernel) => Triple | Promise<Triple>;
 }
@@ -64,6 +69,8 @@ export class StreamSession {
   /** The patch that is worked on, and its selected tangent. */
   readonly patch = signal(0);
   readonly place = signal<Place>({ row: 0, column: 0 });
+  /** Steps of refinement after which the tangents are that are turned; 0 for those of the model. */
+  readonly level = signal(0);
   readonly hovered = signal<Hovered | null>(null);
   /** Axis of rotations that are not about a coordinate axis. */
   readonly axis = signal<Triple>([0, 1, 0]);
@@ -87,7 +94,28 @@ export class StreamSession {
   readonly patches = computed<readonly Patch[]>(() => patchesOf(this.model.value));
   readonly current = computed<Patch | null>(() => this.patches.value[this.patch.value] ?? null);
   readonly geometry = computed<PatchGeometry | null>(() => this.geometries.value[this.patch.value] ?? null);
-  readonly tangent = computed<Triple | null>(() => tangentOf(this.model.value, this.patch.value, this.place.value));
+  /** The tangents of the level that is worked on; null until they are known. */
+  readonly control = computed<ControlGrid | null>(() => {
+    const [geometry, info, level] = [this.geometry.value, this.infos.value[this.patch.value], this.level.value];
+    if (!geometry || !info) return null;
+    if (level === 0) {
+      const { rowCount, columnCount } = info;
+      return { rowCount, columnCount, feet: geometry.feet, tangents: geometry.tangents };
+    }
+    const fine = this.#fine.value;
+    return fine?.patch === this.patch.value && fine.level === level ? fine.grid : null;
+  });
+  readonly tangent = computed<Triple | null>(() => {
+    if (this.level.value === 0) return tangentOf(this.model.value, this.patch.value, this.place.value);
+    const [control, { row, column }] = [this.control.value, this.place.value];
+    if (!control || row >= control.rowCount || column >= control.columnCount) return null;
+    return tripleAt(control.tangents, row * control.columnCount + column);
+  });
+  /** Whether the selected tangent was set at its level. */
+  readonly isDetail = computed<boolean>(() => {
+    const patch = this.current.value;
+    return patch !== null && this.level.value > 0 && detailAt(patch, this.level.value, this.place.value) !== null;
+  });
   readonly colouring = computed<Colouring | null>(() => {
     const { colouring } = settings.value;
     return colouring === "gaussian" || colouring === "mean" || colouring === "max-abs" ? colouring : null;
@@ -99,6 +127,11 @@ export class StreamSession {
 
   /** One of its own, so that no fit of a mesh is waited for; made when it is first needed. */
   #kernel: StreamKernel | null = null;
+  readonly #levels: Levels;
+  readonly #fine = signal<{ patch: number; level: number; grid: ControlGrid } | null>(null);
+  #fineOf: unknown[] = [];
+  /** What refinement gives where a tangent of a finer level is being turned. */
+  #predicted: { key: string; tangent: Triple } | null = null;
   #held: unknown = null;
   #isOpen = false;
   /** A model that the kernel refused; not tried again. */
@@ -114,9 +147,11 @@ export class StreamSession {
 
   constructor(studio: Studio) {
     this.studio = studio;
+    this.#levels = new Levels(() => studio.newKernel());
     effect(() => {
       void this.model.value;
       void this.patch.value;
+      void this.level.value;
       void this.colouring.value;
       void this.size.value;
       const { combs, combSize, arcs, sphere } = settings.value.stream;
@@ -127,9 +162,11 @@ export class StreamSession {
       const infos = this.infos.value;
       if (infos.length === 0) return;
       const patch = Math.min(this.patch.value, infos.length - 1);
-      const place = clampPlace(this.place.value, infos[patch]!);
+      const level = Math.min(this.level.value, infos[patch]!.depth);
+      const place = clampPlace(this.place.value, this.control.value ?? { rowCount: Infinity, columnCount: Infinity });
       batch(() => {
         this.patch.value = patch;
+        this.level.value = level;
         const old = this.place.peek();
         if (old.row !== place.row || old.column !== place.column) this.place.value = place;
       });
@@ -246,14 +283,18 @@ export class StreamSession {
   /** Ends a slide or a drag, so that the next is something else to undo. */
   seal(): void {
     this.#base = null;
-    void this.idle().then(() => this.studio.history.seal());
+    void this.idle().then(() => {
+      this.#predicted = null;
+      this.studio.history.seal();
+    });
   }
 
   select(place: Place, patch = this.patch.peek()): void {
     const info = this.infos.peek()[patch];
     if (!info) return;
     this.#base = null;
-    const next = clampPlace(place, info);
+    const grid = patch === this.patch.peek() ? this.control.peek() : null;
+    const next = clampPlace(place, grid ?? (this.level.peek() === 0 ? info : place0(place)));
     batch(() => {
       this.patch.value = patch;
       this.place.value = next;
@@ -268,7 +309,47 @@ export class StreamSession {
 
   /** Sets a tangent; while the kernel works, only the last wish counts. */
   setTangent(to: Triple, place = this.place.peek(), patch = this.patch.peek()): void {
-    this.#want({ patch, place, to: () => to });
+    this.#want({ patch, level: this.level.peek(), place, to: () => to });
+  }
+
+  /** Works on tangents of another level, at the place of the same share of the grid. */
+  setLevel(level: number): void {
+    const info = this.infos.peek()[this.patch.peek()];
+    if (!info || level === this.level.peek()) return;
+    const next = Math.min(Math.max(0, level), info.depth);
+    const old = this.control.peek();
+    const { row, column } = this.place.peek();
+    this.#base = null;
+    void this.idle().then(async () => {
+      const [held, patch] = [this.#held, this.patch.peek()];
+      const fine = next === 0 ? null : await this.#levels.grid(held, patch, next);
+      const grid = fine ?? info;
+      batch(() => {
+        if (fine) {
+          this.#fine.value = { patch, level: next, grid: fine };
+          this.#fineOf = [held, patch, next];
+        }
+        this.level.value = next;
+        if (old) {
+          this.place.value = {
+            row: fineLine(row, old.rowCount, grid.rowCount),
+            column: fineLine(column, old.columnCount, grid.columnCount),
+          };
+        }
+      });
+      announce(next === 0 ? "Tangents of the model" : `Tangents after ${next} ${next === 1 ? "step" : "steps"}`);
+    });
+  }
+
+  /** Takes back what was set at finer levels: at the selected place, or everywhere. */
+  removeDetails(all: boolean): void {
+    const [patch, level, { row, column }] = [this.patch.peek(), this.level.peek(), this.place.peek()];
+    const model = withoutDetails(
+      this.model.peek(),
+      patch,
+      (d) => all || (d.level === level && d.row === row && d.column === column),
+    );
+    this.commit(model, all ? "Take back all finer changes" : "Take back a finer change");
   }
 
   /** Sets a component of the selected tangent; the others keep the proportion that they had before the slide. */
@@ -292,7 +373,12 @@ export class StreamSession {
     const base = this.#base ?? this.tangent.peek();
     if (!base) return;
     this.#base = base;
-    this.#want({ patch: this.patch.peek(), place: this.place.peek(), to: (kernel) => to(kernel, base) });
+    this.#want({
+      patch: this.patch.peek(),
+      level: this.level.peek(),
+      place: this.place.peek(),
+      to: (kernel) => to(kernel, base),
+    });
   }
 
   /** Inserts a row or column before the selected place, or deletes the one there. */
@@ -376,6 +462,15 @@ export class StreamSession {
     const geometry = this.geometry.peek();
     const { stream } = settings.peek();
     if (!geometry) return null;
+    const level = this.level.peek();
+    if (level > 0 && !same(this.#fineOf, [this.#held, patch, level])) {
+      const held = this.#held;
+      this.#fineOf = [held, patch, level];
+      return async () => {
+        const grid = await this.#levels.grid(held, patch, level);
+        this.#fine.value = { patch, level, grid };
+      };
+    }
     const rows = stream.sphere !== "column";
     const arcsOf = stream.arcs ? `${patch} ${rows}` : null;
     if (stream.arcs && !same(this.#arcsOf, [geometry, arcsOf])) {
@@ -472,8 +567,9 @@ export class StreamSession {
     });
   }
 
-  async #setTangent({ patch, place, to }: Move): Promise<void> {
+  async #setTangent({ patch, level, place, to }: Move): Promise<void> {
     const tangent = await to(this.kernel);
+    if (level > 0) return this.#setDetail(patch, level, place, tangent);
     const before = this.model.peek();
     const model = withTangent(before, patch, place, tangent);
     const key = `tangent ${patch} ${place.row} ${place.column}`;
@@ -496,6 +592,20 @@ export class StreamSession {
       if (isStill) this.commit(model, "Turn a tangent", key);
     });
   }
+
+  /** A tangent of a finer level is a detail of the model, which the loop then sends as a whole. */
+  async #setDetail(patch: number, level: number, place: Place, tangent: Triple): Promise<void> {
+    const key = `detail ${patch} ${level} ${place.row} ${place.column}`;
+    if (this.#predicted?.key !== key) {
+      this.#predicted = { key, tangent: await this.#levels.predicted(this.model.peek(), patch, level, place) };
+    }
+    const detail = { level, ...place, predicted: this.#predicted.tangent, tangent };
+    this.commit(withDetail(this.model.peek(), patch, detail), "Turn a finer tangent", key);
+  }
+}
+
+function place0({ row, column }: Place): { rowCount: number; columnCount: number } {
+  return { rowCount: row + 1, columnCount: column + 1 };
 }
 
 function same(a: unknown, b: readonly unknown[]): boolean {

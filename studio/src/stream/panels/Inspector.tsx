@@ -135,15 +135,39 @@ function TangentSection({ session }: { session: StreamSession }) {
   const tangent = session.tangent.value;
   const { row, column } = session.place.value;
   const info = session.infos.value[session.patch.value];
+  const control = session.control.value;
+  const level = session.level.value;
+  const details = session.current.value?.details ?? [];
   const [axisName, setAxisName] = useState<AxisName>("y");
   const [degrees, setDegrees] = useState(0);
   if (!tangent || !info) return null;
   const axis = axisName === "own" ? session.axis.value : AXES[axisName];
   return (
     <Section title="Tangent" id="tangent" open>
+      {info.depth > 0 && (
+        <Segmented
+          label="Level of refinement"
+          testid="level"
+          value={String(level)}
+          options={Array.from({ length: Math.min(info.depth, 6) + 1 }, (_, i) => [String(i), i === 0 ? "Model" : String(i)] as const)}
+          onChange={(value) => session.setLevel(Number(value))}
+        />
+      )}
+      {details.length > 0 && (
+        <div class="buttons">
+          {level > 0 && (
+            <Button onClick={() => session.removeDetails(false)} disabled={!session.isDetail.value} testid="remove-detail">
+              Take back here
+            </Button>
+          )}
+          <Button onClick={() => session.removeDetails(true)} testid="remove-details">
+            Take back all {details.length} finer
+          </Button>
+        </div>
+      )}
       <div class="place">
-        <Stepper label="Streamline" testid="row" value={row} count={info.rowCount} onChange={(r) => session.select({ row: r, column })} />
-        <Stepper label="Tangent" testid="column" value={column} count={info.columnCount} onChange={(c) => session.select({ row, column: c })} />
+        <Stepper label="Streamline" testid="row" value={row} count={control?.rowCount ?? 1} onChange={(r) => session.select({ row: r, column })} />
+        <Stepper label="Tangent" testid="column" value={column} count={control?.columnCount ?? 1} onChange={(c) => session.select({ row, column: c })} />
       </div>
       <div class="components">
       {(["x", "y", "z"] as const).map((name, i) => (
