@@ -50,7 +50,8 @@ function View({ session }: { session: Session }) {
     if (!scene) return;
     const wide = innerWidth > 820;
     const hasOther = session.mesh.value?.compare != null;
-    scene.insets = { left: wide ? 56 : 0, right: wide && !hasOther ? 316 : 0, top: 8, bottom: wide ? 8 : 180 };
+    const left = !wide ? 0 : hasOther ? 28 : 56;
+    scene.insets = { left, right: wide && !hasOther ? 316 : 0, top: 8, bottom: !wide ? 180 : session.studio.welcome.value ? 128 : 8 };
   });
   const { main } = session;
   return (

@@ -30,6 +30,9 @@ class Stage {
     };
     this.#stop.push(
       effect(() => {
+        viewport.up = settings.value.up;
+      }),
+      effect(() => {
         void look.value;
         view.setPalette(paletteOf(host));
       }),
@@ -37,7 +40,10 @@ class Stage {
       effect(() => view.setControl(pipeline.control.value)),
       effect(() => {
         view.setSurface(pipeline.surface.value);
-        view.setValues(pipeline.values.value, settings.value.colouring);
+        // Side by side, one legend goes for both.
+        const range = session.main.values.value;
+        const values = pipeline.values.value;
+        view.setValues(values && range && { ...values, low: range.low, high: range.high }, settings.value.colouring);
       }),
       effect(() => view.setFaces(session.mesh.value?.faces ?? NONE)),
       effect(() => {
@@ -63,6 +69,7 @@ export class MeshScene {
   readonly #session: Session;
   readonly #main: Stage;
   #other: Stage | null = null;
+  #insets: Insets = { left: 0, right: 0, top: 0, bottom: 0 };
   readonly #picker: Picker;
   readonly #gestures: Gestures;
   readonly #gizmo: TransformControls;
@@ -150,7 +157,9 @@ export class MeshScene {
   }
 
   set insets(insets: Insets) {
+    this.#insets = insets;
     this.#main.viewport.insets = insets;
+    if (this.#other) this.#other.viewport.insets = insets;
   }
 
   /** Opens the second viewport in `host`, with linked cameras; null closes it. */
@@ -163,6 +172,9 @@ export class MeshScene {
     this.#other = other;
     other.viewport.onView = () => this.#link(other.viewport, this.#main.viewport);
     other.viewport.onCamera = this.#main.viewport.onCamera;
+    other.viewport.insets = this.#insets;
+    // Half as wide: what did not fit is made to fit again.
+    this.#main.viewport.fit(undefined, false);
     other.viewport.view = this.#main.viewport.view;
   }
 

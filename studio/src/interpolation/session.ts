@@ -16,7 +16,7 @@ import {
 } from "../state/document";
 import { all, combine, fromMask, maskOf, NONE, type Combine, type Indices } from "../state/indices";
 import type { Camera } from "../state/project";
-import { settings } from "../state/settings";
+import { change, settings } from "../state/settings";
 import type { Studio } from "../studio";
 import { Pipeline, type Wish } from "./pipeline";
 import type { MeshScene } from "./scene";
@@ -125,6 +125,7 @@ export class Session {
     this.firstLook = source.look ?? null;
     try {
       const info = await this.main.open(source, repairs);
+      if (source.up) change({ up: source.up });
       const levels = suitableLevels(info.faceCount, info.mostCorners);
       const mesh = meshDocument(source, repairs, designFor(info), levels);
       const document = { ...this.studio.history.present.peek(), mesh };
@@ -228,7 +229,7 @@ export class Session {
     const next = combine(mesh[target], picked, how);
     if (next.length === 0 && mesh[target].length === 0) return;
     this.edit({ [target]: next }, "Selection", key);
-    announce(`${next.length} ${next.length === 1 ? SINGULAR[target] : target} selected`);
+    announce(`${counted(next.length, target)} selected`);
   }
 
   selectAll(): void {
@@ -470,6 +471,11 @@ export const TENSIONS: Record<Scheme, { min: number; max: number; plain: number 
 };
 
 const SINGULAR: Record<Target, string> = { faces: "face", vertices: "vertex", edges: "edge" };
+
+/** `1 vertex`, `12 vertices`. */
+export function counted(count: number, kind: Target): string {
+  return `${count.toLocaleString("en")} ${count === 1 ? SINGULAR[kind] : kind}`;
+}
 
 function placesAt(drag: Drag, offset: Triple): Float32Array {
   return drag.start.map((x, i) => x + offset[i % 3]!);

@@ -51,11 +51,13 @@ export function Button(props: {
   title?: string;
   disabled?: boolean;
   kind?: "primary" | "quiet";
+  autofocus?: boolean;
 }) {
   return (
     <button
       type="button"
       class={`button ${props.kind ?? ""}`}
+      autofocus={props.autofocus}
       onClick={props.onClick}
       disabled={props.disabled}
       title={props.title}

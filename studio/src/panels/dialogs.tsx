@@ -221,7 +221,7 @@ export function MessageDialog() {
       {open.help && <p class="message-help">{open.help}</p>}
       <div class="message-choices">
         {open.choices.map((choice, i) => (
-          <Button key={choice.label} kind={i === 0 ? "primary" : "quiet"} onClick={choice.run} testid={`choice-${i}`}>
+          <Button key={choice.label} kind={i === 0 ? "primary" : "quiet"} onClick={choice.run} testid={`choice-${i}`} autofocus={i === 0}>
             {choice.label}
           </Button>
         ))}

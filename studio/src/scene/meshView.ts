@@ -5,10 +5,10 @@ import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 import type { Colouring, Design, DragAnswer, Geometry, GivenMesh, Values } from "../kernel/api";
-import type { Indices } from "../state/indices";
+import { maskOf, NONE, type Indices } from "../state/indices";
 import type { Settings } from "../state/settings";
 import { FINISH, lineMaterial, overlayMaterial, pointMaterial, RAMP_TEXTURES, surfaceMaterial } from "./materials";
-import { patchEdges, trianglesOfFaces } from "./patches";
+import { facesOfEdges, patchLines, trianglesOfFaces, type PatchLines } from "./patches";
 import { isDiverging } from "./ramps";
 import type { Viewport } from "./viewport";
 
@@ -50,6 +50,7 @@ export class Skin {
   readonly geometry = new THREE.BufferGeometry();
   readonly faceOfTriangle: Uint32Array;
   readonly #source: Geometry;
+  #lines: PatchLines | null = null;
   #byFace: { start: Uint32Array; triangles: Uint32Array } | null = null;
   /** Increases when points move. */
   version = 0;
@@ -76,8 +77,9 @@ export class Skin {
     return this.#source.edges;
   }
 
-  patchEdges(): Uint32Array {
-    return patchEdges(this.#source);
+  get lines(): PatchLines {
+    this.#lines ??= patchLines(this.#source);
+    return this.#lines;
   }
 
   /** Moves all points, or some. */
@@ -125,9 +127,25 @@ export class Skin {
   /** A geometry over the same points with other connectivity. */
   sharing(index: Uint32Array): THREE.BufferGeometry {
     const geometry = new THREE.BufferGeometry();
+    geometry.userData["shares"] = true;
     for (const name of ["position", "normal"]) geometry.setAttribute(name, this.geometry.getAttribute(name));
     geometry.setIndex(new THREE.BufferAttribute(index, 1));
     return geometry;
+  }
+}
+
+/** Frees a geometry. Points that belong to a skin stay with it: freeing them would break all others that share. */
+function release(geometry: THREE.BufferGeometry): void {
+  if (geometry.userData["shares"]) {
+    for (const name of Object.keys(geometry.attributes)) geometry.deleteAttribute(name);
+  }
+  geometry.dispose();
+}
+
+function appendEdge(places: number[], positions: Float32Array, pairs: Uint32Array, edge: number): void {
+  for (let k = 2 * edge; k < 2 * edge + 2; k += 1) {
+    const v = 3 * pairs[k]!;
+    places.push(positions[v]!, positions[v + 1]!, positions[v + 2]!);
   }
 }
 
@@ -146,7 +164,8 @@ type ObjectName =
   | "boundary"
   | "selectedPoints"
   | "creases"
-  | "selectedEdges";
+  | "selectedEdges"
+  | "outline";
 
 export class MeshView {
   readonly #viewport: Viewport;
@@ -157,9 +176,12 @@ export class MeshView {
   #surface: Skin | null = null;
   #control: Skin | null = null;
   #shown: Settings["shown"] | null = null;
-  #selected: Indices = new Uint32Array(0);
+  #selected: Indices = NONE;
   #hovered: number | null = null;
   #faceCount = 0;
+  #facesOfEdges: Uint32Array | null = null;
+  /** Edges that are drawn thick: selected ones, and creases. */
+  #thickEdges: Record<"selectedEdges" | "creases", Indices> = { selectedEdges: NONE, creases: NONE };
 
   readonly #materials = {
     surface: surfaceMaterial(),
@@ -176,7 +198,8 @@ export class MeshView {
     boundary: pointMaterial(8, 5e-4),
     selectedPoints: pointMaterial(12, 8e-4),
     creases: new LineMaterial({ linewidth: 3.5, polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -4 }),
-    selectedEdges: new LineMaterial({ linewidth: 4, depthTest: false, transparent: true, opacity: 0.9 }),
+    selectedEdges: new LineMaterial({ linewidth: 4, polygonOffset: true, polygonOffsetFactor: -3, polygonOffsetUnits: -6 }),
+    outline: new LineMaterial({ linewidth: 2.5, polygonOffset: true, polygonOffsetFactor: -3, polygonOffsetUnits: -6 }),
   };
 
   readonly #objects: Record<ObjectName, THREE.Mesh | THREE.LineSegments | THREE.Points | LineSegments2>;
@@ -201,6 +224,7 @@ export class MeshView {
       control: new THREE.LineSegments(none(), m.control),
       creases: new LineSegments2(new LineSegmentsGeometry(), m.creases),
       selectedEdges: new LineSegments2(new LineSegmentsGeometry(), m.selectedEdges),
+      outline: new LineSegments2(new LineSegmentsGeometry(), m.outline),
       points: new THREE.Points(none(), m.points),
       boundary: new THREE.Points(none(), m.boundary),
       selectedPoints: new THREE.Points(none(), m.selectedPoints),
@@ -219,7 +243,7 @@ export class MeshView {
 
   dispose(): void {
     this.#viewport.scene.remove(this.#root);
-    for (const object of Object.values(this.#objects)) object.geometry.dispose();
+    for (const object of Object.values(this.#objects)) release(object.geometry);
     for (const material of Object.values(this.#materials)) material.dispose();
   }
 
@@ -259,6 +283,7 @@ export class MeshView {
     for (const points of [m.points, m.boundary, m.selectedPoints]) paint(points, "ring", palette.ring);
     m.creases.color.set(palette.crease);
     m.selectedEdges.color.set(palette.selected);
+    m.outline.color.set(palette.selected);
     this.#viewport.invalidate();
   }
 
@@ -266,6 +291,7 @@ export class MeshView {
     if (given !== this.#given) {
       this.#given = given;
       this.#faceCount = (given?.faceOfTriangle.reduce((last, f) => Math.max(last, f), -1) ?? -1) + 1;
+      this.#facesOfEdges = null;
       this.#givenSkin = given && new Skin(given, given.positions.slice());
       if (given && this.#givenSkin) {
         const skin = this.#givenSkin;
@@ -292,13 +318,13 @@ export class MeshView {
     this.#surface = surface && new Skin(surface);
     if (this.#surface) {
       this.#replace("surface", this.#surface.geometry);
-      this.#objects.surfaceEdges.geometry.dispose();
       this.#objects.surfaceEdges.userData["of"] = null;
       this.#objects.patches.userData["of"] = null;
     }
     this.setFaces(this.#selected);
     this.setHover(this.#hovered);
     this.#update();
+    this.#drawThick();
   }
 
   /** Takes a step of a drag. */
@@ -311,6 +337,8 @@ export class MeshView {
         this.#control.move(answer.controlVertices, answer.controlPositions, null);
       }
     }
+    this.#drawThick();
+    this.#drawOutline();
     this.#viewport.invalidate();
   }
 
@@ -326,6 +354,8 @@ export class MeshView {
 
   setValues(values: Values | null, colouring: Colouring | null): void {
     const { uniforms } = this.#materials.surface;
+    // Colours that mean something are not painted over.
+    this.#materials.selection.uniforms["opacity"]!.value = colouring ? 0.1 : 0.62;
     const fits = values && this.#surface && values.values.length * 3 === this.#surface.positions.length;
     uniforms["coloured"]!.value = Boolean(fits && colouring);
     if (fits && colouring) {
@@ -340,6 +370,7 @@ export class MeshView {
   setFaces(faces: Indices): void {
     this.#selected = faces;
     this.#cover("selection", faces);
+    this.#drawOutline();
   }
 
   setHover(face: number | null): void {
@@ -357,17 +388,26 @@ export class MeshView {
   }
 
   setEdges(edges: Indices, creases: Design["creases"]): void {
-    const ends = this.#given?.ends;
-    const chosen: [number, number][] = [];
-    if (ends) for (const e of edges) if (2 * e + 1 < ends.length) chosen.push([ends[2 * e]!, ends[2 * e + 1]!]);
-    this.#thick("selectedEdges", chosen);
-    this.#thick("creases", creases.map(([a, b]) => [a, b] as [number, number]));
-    this.#objects.creases.visible &&= this.#shown?.creases !== false;
+    const ends = this.#given?.ends ?? NONE;
+    const isCrease = new Set(creases.map(([a, b]) => (a < b ? `${a} ${b}` : `${b} ${a}`)));
+    const found: number[] = [];
+    for (let e = 0; isCrease.size > 0 && 2 * e < ends.length; e += 1) {
+      const [a, b] = [ends[2 * e]!, ends[2 * e + 1]!];
+      if (isCrease.has(a < b ? `${a} ${b}` : `${b} ${a}`)) found.push(e);
+    }
+    this.#thickEdges = {
+      selectedEdges: edges.filter((e) => 2 * e < ends.length),
+      creases: Uint32Array.from(found),
+    };
+    this.#drawThick();
     this.#viewport.invalidate();
   }
 
   setSettings({ shown, shading, colouring }: Settings): void {
+    const before = this.#shown;
     this.#shown = shown;
+    if (before?.creases !== shown.creases || before.surface !== shown.surface) this.#drawThick();
+    if (before?.surface !== shown.surface) this.setFaces(this.#selected);
     this.#materials.surface.uniforms["finish"]!.value = FINISH[shading];
     if (!colouring) this.#materials.surface.uniforms["coloured"]!.value = false;
     this.#update();
@@ -390,7 +430,7 @@ export class MeshView {
     o.surfaceEdges.visible = o.surface.visible && shown.surfaceEdges;
     if (o.surfaceEdges.visible) this.#line("surfaceEdges", () => this.#surface!.edges);
     o.patches.visible = o.surface.visible && shown.patches;
-    if (o.patches.visible) this.#line("patches", () => this.#surface!.patchEdges());
+    if (o.patches.visible) this.#line("patches", () => this.#surface!.lines.pairs);
     o.edges.visible = hasGiven && (shown.edges || (alone && shown.patches));
     o.hiddenEdges.visible = o.edges.visible && !alone;
     o.control.visible = this.#control !== null && shown.control;
@@ -398,7 +438,6 @@ export class MeshView {
     o.points.visible = hasGiven && shown.points;
     this.#materials.points.uniforms["size"]!.value = this.#pointSize();
     o.boundary.visible = hasGiven && shown.boundary;
-    o.creases.visible = shown.creases && o.creases.userData["count"] > 0;
     const pixels = this.#viewport.renderer.getPixelRatio();
     for (const m of [this.#materials.points, this.#materials.boundary, this.#materials.selectedPoints]) {
       m.uniforms["pixels"]!.value = pixels;
@@ -409,7 +448,7 @@ export class MeshView {
   /** Many points are small, or they would hide the surface. */
   #pointSize(): number {
     const count = (this.#givenSkin?.positions.length ?? 0) / 3;
-    return count > 3000 ? 3.5 : count > 800 ? 5 : 7;
+    return count > 3000 ? 3 : count > 1200 ? 4 : count > 400 ? 5.5 : 7;
   }
 
   #line(name: "surfaceEdges" | "patches", index: () => Uint32Array): void {
@@ -427,24 +466,72 @@ export class MeshView {
     this.#viewport.invalidate();
   }
 
-  #thick(name: "creases" | "selectedEdges", edges: [number, number][]): void {
-    const positions = this.#givenSkin?.positions;
-    const object = this.#objects[name] as LineSegments2;
-    object.visible = edges.length > 0 && positions !== undefined;
-    object.userData["count"] = edges.length;
-    if (!object.visible || !positions) return;
-    const places = new Float32Array(6 * edges.length);
-    edges.forEach(([a, b], i) => {
-      places.set(positions.subarray(3 * a, 3 * a + 3), 6 * i);
-      places.set(positions.subarray(3 * b, 3 * b + 3), 6 * i + 3);
-    });
-    object.geometry.dispose();
+  /** Thick edges run along the surface where there is one, and straight elsewhere. */
+  #drawThick(): void {
+    for (const name of ["selectedEdges", "creases"] as const) {
+      const edges = this.#thickEdges[name];
+      const object = this.#objects[name] as LineSegments2;
+      const given = this.#given;
+      object.visible = edges.length > 0 && given !== null && (name !== "creases" || this.#shown?.creases !== false);
+      if (!object.visible || !given) continue;
+      const places =
+        this.#surface && this.#shown?.surface !== false
+          ? this.#alongSurface(edges, given, this.#surface)
+          : this.#straight(edges, given.ends);
+      release(object.geometry);
+      object.geometry = new LineSegmentsGeometry().setPositions(places);
+    }
+  }
+
+  /** The rim of the selected faces. */
+  #drawOutline(): void {
+    const { skin } = this;
+    const object = this.#objects.outline as LineSegments2;
+    object.visible = this.#selected.length > 0 && skin !== null;
+    if (!object.visible || !skin) return;
+    const isSelected = maskOf(this.#selected, this.#faceCount);
+    const { pairs, faces } = skin.lines;
+    const places: number[] = [];
+    for (let i = 0; 2 * i < faces.length; i += 1) {
+      // What is outside has no mask, and is not selected.
+      if (Boolean(isSelected[faces[2 * i]!]) === Boolean(isSelected[faces[2 * i + 1]!])) continue;
+      appendEdge(places, skin.positions, pairs, i);
+    }
+    object.visible = places.length > 0;
+    if (!object.visible) return;
+    release(object.geometry);
     object.geometry = new LineSegmentsGeometry().setPositions(places);
+  }
+
+  #straight(edges: Indices, ends: Uint32Array): Float32Array {
+    const { positions } = this.#givenSkin!;
+    const places = new Float32Array(6 * edges.length);
+    edges.forEach((e, i) => {
+      for (let k = 0; k < 2; k += 1) {
+        const v = ends[2 * e + k]!;
+        places.set(positions.subarray(3 * v, 3 * v + 3), 6 * i + 3 * k);
+      }
+    });
+    return places;
+  }
+
+  #alongSurface(edges: Indices, given: GivenMesh, { lines, positions }: Skin): Float32Array {
+    this.#facesOfEdges ??= facesOfEdges(given, given.ends);
+    const faces = this.#facesOfEdges;
+    const key = (a: number, b: number) => a * 0x1_0000_0000 + b;
+    const wanted = new Set<number>();
+    for (const e of edges) wanted.add(key(faces[2 * e]!, faces[2 * e + 1]!));
+    const places: number[] = [];
+    for (let i = 0; 2 * i < lines.faces.length; i += 1) {
+      if (!wanted.has(key(lines.faces[2 * i]!, lines.faces[2 * i + 1]!))) continue;
+      appendEdge(places, positions, lines.pairs, i);
+    }
+    return Float32Array.from(places);
   }
 
   #replace(name: ObjectName, geometry: THREE.BufferGeometry): void {
     const object = this.#objects[name];
-    object.geometry.dispose();
+    release(object.geometry);
     object.geometry = geometry;
   }
 }

@@ -9,6 +9,8 @@ export interface Source {
   bytes: Uint8Array;
   /** Where to look from at first, if that is known. */
   look?: Triple;
+  /** Which axis points up in it, if that is known. */
+  up?: "y" | "z";
 }
 
 export interface MeshDocument {

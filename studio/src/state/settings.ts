@@ -5,6 +5,8 @@ import type { Colouring } from "../kernel/api";
 import { STREAM_SHOWN, type StreamShown } from "../stream/shown";
 
 export type Shading = "shaded" | "zebra" | "reflection";
+/** The axis that points up on the screen. */
+export type Up = "y" | "z";
 export type Theme = "auto" | "light" | "dark" | "contrast";
 
 export interface Shown {
@@ -29,6 +31,7 @@ export interface Settings {
   shown: Shown;
   /** What the streamline workspace shows. */
   stream: StreamShown;
+  up: Up;
   theme: Theme;
 }
 
@@ -47,6 +50,7 @@ export const DEFAULTS: Settings = {
     creases: true,
   },
   stream: STREAM_SHOWN,
+  up: "y",
   theme: "auto",
 };
 

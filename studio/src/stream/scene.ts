@@ -72,7 +72,8 @@ export class StreamScene {
   #isFar = false;
   /** Where a point of the initial curve was grabbed, and the plane in which it moves. */
   #plane = new THREE.Plane();
-  #box: THREE.Box3 | null = null;
+  /** What the camera was last pointed at by itself. */
+  #framed: THREE.Sphere | null = null;
 
   constructor(main: HTMLElement, ball: HTMLElement, session: StreamSession) {
     this.#session = session;
@@ -269,15 +270,15 @@ export class StreamScene {
     const box = new THREE.Box3();
     for (const { positions } of geometries) box.union(new THREE.Box3().setFromArray(positions));
     if (box.isEmpty()) return;
-    const before = this.#box;
-    this.#box = box;
     // With room for the arrows.
     this.#main.setBounds(box.clone().expandByScalar(0.08 * box.getSize(new THREE.Vector3()).length()));
-    const [old, now] = [before ?? box, box].map((b) => b.getBoundingSphere(new THREE.Sphere())) as [THREE.Sphere, THREE.Sphere];
+    const now = box.getBoundingSphere(new THREE.Sphere());
+    const old = this.#framed;
     this.#session.size.value = now.radius;
     const isElsewhere =
-      !before || now.radius > 1.6 * old.radius || old.radius > 1.6 * now.radius || now.center.distanceTo(old.center) > old.radius;
+      !old || now.radius > 1.6 * old.radius || old.radius > 1.6 * now.radius || now.center.distanceTo(old.center) > old.radius;
     if (!isElsewhere) return;
+    this.#framed = now;
     const camera = this.#session.pendingCamera;
     this.#session.pendingCamera = null;
     if (camera) this.#main.view = camera;

@@ -612,7 +612,7 @@ function same(a: unknown, b: readonly unknown[]): boolean {
   return Array.isArray(a) && a.length === b.length && a.every((x, i) => x === b[i]);
 }
 
-/** Length of a comb tooth per curvature: on a surface of that size, one of its own curvature is a tenth of it. */
+/** Length of a comb tooth per curvature, such that one of a circle as large as the model is a small part of it. */
 export function combScale(size: number, relative: number): number {
-  return 0.1 * size * size * relative;
+  return 0.04 * size * size * relative;
 }

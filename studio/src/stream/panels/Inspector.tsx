@@ -161,7 +161,7 @@ function TangentSection({ session }: { session: StreamSession }) {
             </Button>
           )}
           <Button onClick={() => session.removeDetails(true)} testid="remove-details">
-            Take back all {details.length} finer
+            Take back all finer ({details.length})
           </Button>
         </div>
       )}

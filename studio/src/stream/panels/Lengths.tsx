@@ -46,6 +46,7 @@ export function LengthsSection({ session, patch }: { session: StreamSession; pat
             label={`${i + 1} – ${i + 2}`}
             testid={`step-${i + 1}`}
             value={x - s[i]!}
+            format={(x) => String(+x.toPrecision(4))}
             min={1e-12}
             onCommit={(step) => session.change(stepPart(patch, row, i + 1, step), "Distance of tangents")}
           />
