@@ -114,6 +114,14 @@ export function commands(session: StreamSession): Action[] {
     { name: "view.nearer", label: "Nearer", keys: ["+", "="], run: () => scene()?.viewport.zoom(1.15) },
     { name: "view.farther", label: "Farther", keys: ["-"], run: () => scene()?.viewport.zoom(1 / 1.15) },
 
+    {
+      name: "view.z-up",
+      label: "The z axis points up",
+      keys: ["Y"],
+      run: () => change({ up: settings.value.up === "z" ? "y" : "z" }),
+      on: () => settings.value.up === "z",
+    },
+
     shading("shaded", "Shaded", "S"),
     shading("zebra", "Zebra stripes", "Z"),
     shading("reflection", "Reflection lines", "R"),

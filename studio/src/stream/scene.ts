@@ -79,8 +79,6 @@ export class StreamScene {
     this.#session = session;
     this.#main = new Viewport(main, "The surface with its tangents");
     this.#ball = new Viewport(ball, "The Gaussian sphere with the tangents as points");
-    this.#ball.controls.enablePan = false;
-    this.#ball.controls.zoomToCursor = false;
     this.#ball.scene.add(this.#sphere.root);
     const reach = 1.25 / Math.sqrt(3);
     this.#ball.setBounds(new THREE.Box3(new THREE.Vector3(-reach, -reach, -reach), new THREE.Vector3(reach, reach, reach)));
@@ -135,6 +133,15 @@ export class StreamScene {
     };
 
     this.#stop.push(
+      effect(() => {
+        const { up } = settings.value;
+        untracked(() => {
+          this.#main.up = this.#ball.up = up;
+          // Its controls may be new ones now.
+          this.#ball.controls.enablePan = false;
+          this.#ball.controls.zoomToCursor = false;
+        });
+      }),
       effect(() => {
         void look.value;
         this.#paint(main, ball);

@@ -22,7 +22,7 @@ import { problemOf } from "../kernel/problem";
 import { timed } from "../perf";
 import type { Source } from "../state/document";
 import type { Camera } from "../state/project";
-import { settings } from "../state/settings";
+import { change, settings } from "../state/settings";
 import type { Studio } from "../studio";
 import { Levels, tripleAt, type ControlGrid } from "./levels";
 import {
@@ -185,10 +185,11 @@ export class StreamSession {
 
   // -------------------------------------------------------------- files
 
-  async open({ bytes, name, look }: Source): Promise<void> {
+  async open({ bytes, name, look, up }: Source): Promise<void> {
     await this.idle();
     const { model, patches } = await timed("open", this.kernel.openModel(bytes.slice(), name));
     this.firstLook = look ?? null;
+    if (up) change({ up });
     batch(() => {
       this.#take(model, patches);
       this.patch.value = 0;
