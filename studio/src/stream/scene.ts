@@ -225,7 +225,7 @@ export class StreamScene {
     const style = getComputedStyle(ball);
     const of = (name: string) => style.getPropertyValue(name).trim() || "#888888";
     const pixels = this.#ball.renderer.getPixelRatio();
-    this.#sphere.setPalette(tangents, of("--scene-ball"), of("--scene-curve"), pixels);
+    this.#sphere.setPalette(tangents, of("--scene-ball"), of("--scene-meridian"), of("--scene-curve"), pixels);
     const { points, polygon, curve } = this.#initial;
     (points.material.uniforms["colour"]!.value as THREE.Color).set(palette.control);
     (points.material.uniforms["ring"]!.value as THREE.Color).set(palette.ring);

@@ -156,14 +156,14 @@ export class Sphere {
     }
   }
 
-  setPalette(palette: TangentPalette, ball: string, curve: string, pixels: number): void {
+  setPalette(palette: TangentPalette, ball: string, meridian: string, curve: string, pixels: number): void {
     this.#palette = palette;
     const paint = (material: THREE.ShaderMaterial, name: string, colour: string) =>
       (material.uniforms[name]!.value as THREE.Color).set(colour);
     paint(this.#ball.material, "colour", ball);
-    paint(this.#ball.material, "ink", palette.ink);
-    paint(this.#grid.material, "colour", palette.ink);
-    paint(this.#arcs.material, "colour", palette.ink);
+    paint(this.#ball.material, "ink", meridian);
+    paint(this.#grid.material, "colour", meridian);
+    paint(this.#arcs.material, "colour", meridian);
     paint(this.#points.material, "ink", palette.ink);
     this.#points.material.uniforms["pixels"]!.value = pixels;
     this.#curves.material.color.set(curve);

@@ -218,7 +218,7 @@ function Row(props: { label: string; testid: string; value: Triple; onChange: (v
           hideLabel
           testid={`${props.testid}-${axis}`}
           value={props.value[i]!}
-          format={(x) => String(+x.toPrecision(5))}
+          format={(x) => String(+x.toPrecision(4))}
           onCommit={(x) => props.onChange(replaced(props.value, i, x) as Triple)}
         />
       ))}
