@@ -141,6 +141,20 @@ export function withTangent(model: unknown, index: number, { row, column }: Plac
   return withPatch(model, index, { tangents: replaced(patch.tangents, row, replaced(patch.tangents[row]!, column, tangent)) });
 }
 
+/**
+ * Where the tangent at a place of a patch is decided: stitched patches take their first streamline from the one
+ * before. Null for the second streamline of patches that go on smoothly, which follows from those.
+ */
+export function ownerOf(model: unknown, patch: number, place: Place): { patch: number; place: Place } | null {
+  const stitch = stitchOf(model);
+  if (stitch === false || patch === 0) return { patch, place };
+  if (place.row === 1 && stitch === "smooth") return null;
+  if (place.row > 0) return { patch, place };
+  const before = patchesOf(model)[patch - 1];
+  if (!before) return { patch, place };
+  return ownerOf(model, patch - 1, { row: before.tangents.length - 1, column: place.column });
+}
+
 export function replaced<T>(list: readonly T[], index: number, value: T): T[] {
   return list.map((old, i) => (i === index ? value : old));
 }

@@ -4,6 +4,7 @@ import * as THREE from "three";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
+import { MeshBVH } from "three-mesh-bvh";
 import type { Colouring, PatchGeometry, PatchInfo, Values } from "../kernel/api";
 import { FINISH, lineMaterial, RAMP_TEXTURES, surfaceMaterial } from "../scene/materials";
 import { Skin, type Palette } from "../scene/meshView";
@@ -28,6 +29,7 @@ export class PatchView {
   readonly #lines: Record<LineName, THREE.LineSegments>;
   readonly #chosen = new LineSegments2(new LineSegmentsGeometry(), this.#materials.chosen);
   #skin: Skin | null = null;
+  #tree: { skin: Skin; version: number; bvh: MeshBVH } | null = null;
   #geometry: PatchGeometry | null = null;
   #info: PatchInfo | null = null;
   /** What the lines were made for; the same grid keeps them. */
@@ -54,8 +56,18 @@ export class PatchView {
     for (const material of Object.values(this.#materials)) material.dispose();
   }
 
-  get skin(): Skin | null {
-    return this.#skin;
+  /** Whether a ray meets the surface before it has gone so far. */
+  hides(ray: THREE.Ray, way: number): boolean {
+    const skin = this.#skin;
+    if (!skin) return false;
+    if (this.#tree?.skin !== skin) {
+      this.#tree = { skin, version: skin.version, bvh: new MeshBVH(skin.geometry, { indirect: true }) };
+    } else if (this.#tree.version !== skin.version) {
+      this.#tree.bvh.refit();
+      this.#tree.version = skin.version;
+    }
+    const hit = this.#tree.bvh.raycastFirst(ray, THREE.DoubleSide);
+    return hit !== null && hit.distance < way;
   }
 
   setPalette(palette: Palette): void {

@@ -111,15 +111,17 @@ export class StreamScene {
         at: (x, y) => this.#thingsAt(x, y),
         same: sameThing,
         hover: (thing) => this.#hover(thing?.kind === "tangent" ? thing.index : null),
-        grab: (thing, x, y) => this.#grab(thing, x, y),
+        grab: (thing) => this.#grab(thing),
         drag: (thing, x, y, event) => this.#drag(thing, x, y, event.shiftKey),
         drop: () => session.seal(),
+        cancel: () => session.cancelDrag(),
       }),
       ball: new Handles<number>(this.#ball, {
         at: (x, y) => this.#marksAt(x, y),
         same: (a, b) => a === b,
         hover: (index) => this.#hover(index),
         grab: (index) => {
+          session.beginDrag();
           session.select(this.#placeOf(index));
           this.#isFar = this.#facing(this.#tangent(index), this.#ball) < 0;
         },
@@ -129,6 +131,7 @@ export class StreamScene {
           session.setTangent(direction.toArray(), this.#placeOf(index));
         },
         drop: () => session.seal(),
+        cancel: () => session.cancelDrag(),
       }),
     };
 
@@ -492,8 +495,18 @@ export class StreamScene {
         found.push({ thing: { kind: "tangent", index }, away: Math.min(onTip, onHead + 4) });
       }
     }
+    const eye = this.#main.camera.position;
+    const isHidden = ({ kind, index }: Thing) => {
+      if (kind === "initial") return false;
+      const tip = this.#arrows.tipOf(index);
+      const way = tip.distanceTo(eye) - 0.5 * this.#arrows.length;
+      const ray = new THREE.Ray(eye, tip.sub(eye).normalize());
+      return stream.surface && this.#patches.some((view) => view.hides(ray, way));
+    };
+    // What the surface hides gives way to what is seen.
     return found
       .filter(({ away }) => away < REACH)
+      .map(({ thing, away }) => ({ thing, away: away + (isHidden(thing) ? REACH : 0) }))
       .sort((a, b) => a.away - b.away)
       .map(({ thing }) => thing);
   }
@@ -503,12 +516,12 @@ export class StreamScene {
     session.hovered.value = index === null ? null : { patch: session.patch.peek(), ...this.#placeOf(index) };
   }
 
-  #grab(thing: Thing, x: number, y: number): void {
+  #grab(thing: Thing): void {
+    this.#session.beginDrag();
     if (thing.kind === "initial") {
       const place = new THREE.Vector3(...handlesOf(this.#session.current.peek()!.initial)[thing.index]!);
       const eye = this.#main.camera.getWorldDirection(new THREE.Vector3());
       this.#plane.setFromNormalAndCoplanarPoint(eye, place);
-      void [x, y];
       return;
     }
     this.#session.select(this.#placeOf(thing.index));

@@ -165,6 +165,11 @@ function TangentSection({ session }: { session: StreamSession }) {
           </Button>
         </div>
       )}
+      {session.owner.value === null && (
+        <p class="hint" data-testid="follows">
+          This streamline goes on smoothly from the patch before, and follows what is turned there.
+        </p>
+      )}
       <div class="place">
         <Stepper label="Streamline" testid="row" value={row} count={control?.rowCount ?? 1} onChange={(r) => session.select({ row: r, column })} />
         <Stepper label="Tangent" testid="column" value={column} count={control?.columnCount ?? 1} onChange={(c) => session.select({ row, column: c })} />
@@ -180,6 +185,7 @@ function TangentSection({ session }: { session: StreamSession }) {
           max={1}
           step={0.001}
           format={(x) => x.toFixed(3)}
+          disabled={session.owner.value === null}
           onInput={(value) => session.setComponent(i as 0 | 1 | 2, value)}
           onEnd={() => session.seal()}
         />
