@@ -61,7 +61,7 @@ export class Studio {
   /** Brings the workspaces in and begins to save. */
   start(workspaces: readonly Workspace[]): void {
     this.#workspaces = workspaces;
-    register(this.#actions());
+    register(this.actions());
     effect(() => {
       const { actions } = this.workspace;
       this.#unregister();
@@ -179,7 +179,8 @@ export class Studio {
     announce(label ? `Redone: ${label}` : "Nothing to redo");
   }
 
-  #actions(): Action[] {
+  /** What can be done in every workspace. */
+  actions(): Action[] {
     const theme = (name: Theme, label: string): Action => ({
       name: `theme.${name}`,
       label,
@@ -195,6 +196,7 @@ export class Studio {
         label: "Undo",
         keys: ["Mod+Z"],
         run: () => this.undo(),
+        detail: () => this.history.undoLabel,
         enabled: () => this.history.undoLabel !== null,
       },
       {
@@ -202,6 +204,7 @@ export class Studio {
         label: "Redo",
         keys: ["Mod+Shift+Z", "Mod+Y"],
         run: () => this.redo(),
+        detail: () => this.history.redoLabel,
         enabled: () => this.history.redoLabel !== null,
       },
       ...this.#workspaces.map(

@@ -37,8 +37,7 @@ export function offerTestHooks(studio: Studio, session: Session, stream: StreamS
   globalThis.fairform = {
     state: () => snapshot(studio, session),
     idle: async () => {
-      await session.main.idle();
-      await session.other.peek()?.idle();
+      await session.idle();
       await stream.idle();
     },
     screenOf: (vertex) => session.scene.peek()?.screenOf(vertex) ?? null,

@@ -141,7 +141,14 @@ function open(studio: Studio, sample: Sample): void {
 }
 
 /** The samples as a strip, for the first minute. */
-export function Welcome(props: { studio: Studio; samples?: readonly Sample[]; title?: string; says?: string; onClose?: null }) {
+export function Welcome(props: {
+  studio: Studio;
+  samples?: readonly Sample[];
+  title?: string;
+  says?: string;
+  /** Null if there is nothing else to see, so that it stays. */
+  onClose?: null;
+}) {
   const { studio, samples = SAMPLES } = props;
   return (
     <nav class="welcome card" aria-label="Samples" data-testid="welcome">

@@ -23,7 +23,12 @@ export class PatchView {
     fine: lineMaterial(0.28, 5e-5),
     wire: lineMaterial(0.3, 5e-5),
     combs: lineMaterial(0.75, 1e-4),
-    chosen: new LineMaterial({ linewidth: 3.5, polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -4 }),
+    chosen: new LineMaterial({
+      linewidth: 3.5,
+      polygonOffset: true,
+      polygonOffsetFactor: -2,
+      polygonOffsetUnits: -4,
+    }),
   };
   readonly #surface = new THREE.Mesh(new THREE.BufferGeometry(), this.#materials.surface);
   readonly #lines: Record<LineName, THREE.LineSegments>;

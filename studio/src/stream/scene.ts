@@ -11,13 +11,16 @@ import { look } from "../theme";
 import { Arrows, tangentPaletteOf } from "./arrows";
 import { directionAt, Handles, REACH } from "./handles";
 import { alongColumns, segments } from "./lines";
-import { fineLine, handlesOf, type Place } from "./model";
+import { fineLine, handlesOf, type Initial, type Place } from "./model";
 import { PatchView } from "./patchView";
 import { ARC_STEPS, type StreamSession } from "./session";
-import { Sphere } from "./sphere";
+import { Sphere, type Marks } from "./sphere";
 
 /** What can be dragged in the scene: the tip of a tangent, or a point of the initial curve. */
 type Thing = { kind: "tangent"; index: number } | { kind: "initial"; index: number };
+
+/** The box around the sphere and its labels. */
+const BALL = new THREE.Vector3(1.45, 1.45, 1.45);
 
 /** Length of an arrow, relative to the radius of the model. */
 const ARROW = 0.15;
@@ -61,7 +64,10 @@ export class StreamScene {
   readonly #arrows = new Arrows();
   readonly #initial = {
     points: new THREE.Points(new THREE.BufferGeometry(), pointMaterial(11, 9e-4)),
-    polygon: new THREE.Line(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ transparent: true, opacity: 0.7 })),
+    polygon: new THREE.Line(
+      new THREE.BufferGeometry(),
+      new THREE.LineBasicMaterial({ transparent: true, opacity: 0.7 }),
+    ),
     curve: new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial()),
   };
   #patches: PatchView[] = [];
@@ -80,8 +86,7 @@ export class StreamScene {
     this.#main = new Viewport(main, "The surface with its tangents");
     this.#ball = new Viewport(ball, "The Gaussian sphere with the tangents as points");
     this.#ball.scene.add(this.#sphere.root);
-    const reach = 1.25 / Math.sqrt(3);
-    this.#ball.setBounds(new THREE.Box3(new THREE.Vector3(-reach, -reach, -reach), new THREE.Vector3(reach, reach, reach)));
+    this.#ball.setBounds(new THREE.Box3().setFromCenterAndSize(new THREE.Vector3(), BALL));
     this.#main.scene.add(this.#arrows.root, ...Object.values(this.#initial));
     this.#arrows.root.renderOrder = 20;
     for (const object of Object.values(this.#initial)) {
@@ -286,7 +291,10 @@ export class StreamScene {
     const old = this.#framed;
     this.#session.size.value = now.radius;
     const isElsewhere =
-      !old || now.radius > 1.6 * old.radius || old.radius > 1.6 * now.radius || now.center.distanceTo(old.center) > old.radius;
+      !old ||
+      now.radius > 1.6 * old.radius ||
+      old.radius > 1.6 * now.radius ||
+      now.center.distanceTo(old.center) > old.radius;
     if (!isElsewhere) return;
     this.#framed = now;
     const camera = this.#session.pendingCamera;
@@ -327,7 +335,7 @@ export class StreamScene {
     const place = session.place.value;
     const hovered = this.#hovered();
     if (!control) {
-      this.#sphere.setMarks({ tangents: new Float32Array(0), indices: [], columnCount: 1, selected: -1, hovered: -1 });
+      this.#sphere.setMarks(NO_MARKS);
     } else {
       const { columnCount, tangents } = control;
       const indices = this.#shownIndices();
@@ -402,8 +410,9 @@ export class StreamScene {
         object.geometry = new THREE.BufferGeometry().setFromPoints(places);
       }
       // The curve itself is a line of the surface where the streamlines begin or end on it.
-      const column = patch.s0 === "max" ? (geometry?.columnCount ?? 1) - 1 : patch.s0 === undefined || patch.s0 === "min" ? 0 : null;
-      if (geometry && column !== null) {
+      const { s0 = "min" } = patch;
+      if (geometry && (s0 === "min" || s0 === "max")) {
+        const column = s0 === "min" ? 0 : geometry.columnCount - 1;
         curve.visible = true;
         curve.geometry.dispose();
         curve.geometry = new THREE.BufferGeometry();
@@ -553,4 +562,5 @@ export class StreamScene {
   }
 }
 
-const NO_CURVE = { type: "polyline", points: [], t: [] } as const satisfies { type: string; points: never[]; t: never[] };
+const NO_MARKS: Marks = { tangents: new Float32Array(0), indices: [], columnCount: 1, selected: -1, hovered: -1 };
+const NO_CURVE: Initial = { type: "polyline", points: [], t: [] };

@@ -284,7 +284,8 @@ export class StreamSession {
   /** Moves a point of the initial curve. */
   moveInitial(index: number, place: Triple): void {
     const patch = this.current.peek();
-    if (patch) this.change({ initial: withHandle(patch.initial, index, place) }, "Move the initial curve", `initial ${index}`);
+    if (!patch) return;
+    this.change({ initial: withHandle(patch.initial, index, place) }, "Move the initial curve", `initial ${index}`);
   }
 
   /** Changes fields that all patches share. */

@@ -4,7 +4,7 @@ import * as THREE from "three";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
-import { ringColour, shapeOf, sizeOf, type TangentPalette } from "./arrows";
+import { colourOf, ringColour, shapeOf, sizeOf, type TangentPalette } from "./arrows";
 
 /** Everything on the sphere is drawn a little outside, so that what veils the far side lies below it. */
 const LIFT = 1.004;
@@ -215,7 +215,7 @@ export class Sphere {
       const column = index % columnCount;
       position.set(tangents.subarray(3 * index, 3 * index + 3), 3 * i);
       colour
-        .set(index === selected ? palette.selected : index === hovered ? palette.hover : column === 0 ? palette.first : palette.other)
+        .set(colourOf(palette, index === selected, index === hovered, column))
         .toArray(fill, 3 * i);
       ringColour(column, columnCount, colour).toArray(ring, 3 * i);
       form.set([POINT_SIZE * sizeOf(column) * (isMarked(index) ? 1.3 : 1), shapeOf(column)], 2 * i);
