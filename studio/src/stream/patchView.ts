@@ -61,18 +61,17 @@ export class PatchView {
     for (const material of Object.values(this.#materials)) material.dispose();
   }
 
-  /** Whether a ray meets the surface before it has gone so far. */
-  hides(ray: THREE.Ray, way: number): boolean {
+  /** How far a ray goes until it meets the surface; infinitely if it does not. */
+  wayTo(ray: THREE.Ray): number {
     const skin = this.#skin;
-    if (!skin) return false;
+    if (!skin || !this.#surface.visible) return Infinity;
     if (this.#tree?.skin !== skin) {
       this.#tree = { skin, version: skin.version, bvh: new MeshBVH(skin.geometry, { indirect: true }) };
     } else if (this.#tree.version !== skin.version) {
       this.#tree.bvh.refit();
       this.#tree.version = skin.version;
     }
-    const hit = this.#tree.bvh.raycastFirst(ray, THREE.DoubleSide);
-    return hit !== null && hit.distance < way;
+    return this.#tree.bvh.raycastFirst(ray, THREE.DoubleSide)?.distance ?? Infinity;
   }
 
   setPalette(palette: Palette): void {

@@ -120,6 +120,7 @@ export class StreamScene {
         drag: (thing, x, y, event) => this.#drag(thing, x, y, event.shiftKey),
         drop: () => session.seal(),
         cancel: () => session.cancelDrag(),
+        miss: (x, y) => this.#pickPatch(x, y),
       }),
       ball: new Handles<number>(this.#ball, {
         at: (x, y) => this.#marksAt(x, y),
@@ -137,6 +138,7 @@ export class StreamScene {
         },
         drop: () => session.seal(),
         cancel: () => session.cancelDrag(),
+        miss: () => {},
       }),
     };
 
@@ -233,7 +235,8 @@ export class StreamScene {
     const style = getComputedStyle(ball);
     const of = (name: string) => style.getPropertyValue(name).trim() || "#888888";
     const pixels = this.#ball.renderer.getPixelRatio();
-    this.#sphere.setPalette(tangents, of("--scene-ball"), of("--scene-meridian"), of("--scene-curve"), pixels);
+    const colours = { ball: of("--scene-ball"), meridian: of("--scene-meridian"), curve: of("--scene-curve") };
+    this.#sphere.setPalette(tangents, colours, pixels);
     const { points, polygon, curve } = this.#initial;
     (points.material.uniforms["colour"]!.value as THREE.Color).set(palette.control);
     (points.material.uniforms["ring"]!.value as THREE.Color).set(palette.ring);
@@ -510,7 +513,7 @@ export class StreamScene {
       const tip = this.#arrows.tipOf(index);
       const way = tip.distanceTo(eye) - 0.5 * this.#arrows.length;
       const ray = new THREE.Ray(eye, tip.sub(eye).normalize());
-      return stream.surface && this.#patches.some((view) => view.hides(ray, way));
+      return this.#patches.some((view) => view.wayTo(ray) < way);
     };
     // What the surface hides gives way to what is seen.
     return found
@@ -518,6 +521,16 @@ export class StreamScene {
       .map(({ thing, away }) => ({ thing, away: away + (isHidden(thing) ? REACH : 0) }))
       .sort((a, b) => a.away - b.away)
       .map(({ thing }) => thing);
+  }
+
+  /** Goes on with the patch that is clicked. */
+  #pickPatch(x: number, y: number): void {
+    const ray = this.#main.ray(x, y);
+    const ways = this.#patches.map((view) => view.wayTo(ray));
+    const patch = ways.indexOf(Math.min(...ways));
+    const session = this.#session;
+    if (ways[patch] === Infinity || patch < 0 || patch === session.patch.peek()) return;
+    session.select(session.place.peek(), patch);
   }
 
   #hover(index: number | null): void {

@@ -156,7 +156,11 @@ export class Sphere {
     }
   }
 
-  setPalette(palette: TangentPalette, ball: string, meridian: string, curve: string, pixels: number): void {
+  setPalette(
+    palette: TangentPalette,
+    { ball, meridian, curve }: { ball: string; meridian: string; curve: string },
+    pixels: number,
+  ): void {
     this.#palette = palette;
     const paint = (material: THREE.ShaderMaterial, name: string, colour: string) =>
       (material.uniforms[name]!.value as THREE.Color).set(colour);
