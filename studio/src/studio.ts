@@ -12,6 +12,7 @@ import { EMPTY, type Document, type Source } from "./state/document";
 import { History } from "./state/history";
 import { fromProject, isProjectName, PROJECT_SUFFIX, toProject } from "./state/project";
 import { adopt, change, settings, type Theme } from "./state/settings";
+import { nameOf } from "./stream/model";
 import { applyTheme, watchSystem } from "./theme";
 import { current, type Workspace, type WorkspaceId } from "./workspace";
 
@@ -40,6 +41,13 @@ export class Studio {
 
   get document(): Document {
     return this.history.present.value;
+  }
+
+  /** What the open workspace shows, for the bar at the top and names of files. */
+  get title(): string {
+    const { mesh, model } = this.document;
+    if (current.value === "streamline") return model === null ? "" : nameOf(model);
+    return mesh?.source.name ?? "";
   }
 
   get workspaces(): readonly Workspace[] {
@@ -153,7 +161,7 @@ export class Studio {
     const project = toProject(this.document, current.value, this.workspace.camera(), settings.value);
     try {
       const bytes = await this.kernel.writeProject(project);
-      const name = stem(this.document.mesh?.source.name ?? "design") + PROJECT_SUFFIX;
+      const name = stem(this.title || "design") + PROJECT_SUFFIX;
       giveFile(name, bytes);
       announce(`${name} is saved`);
     } catch (error) {
