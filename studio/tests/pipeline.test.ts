@@ -103,6 +103,7 @@ test("a person's stop rests until the design changes", async () => {
   pipeline.want({ ...WISH, control: true });
   await pipeline.idle();
   expect(kernel.fitted).toHaveLength(1);
+  expect(pipeline.stopped.value).toBe(true);
   kernel.slow = false;
   pipeline.want({ ...WISH, design: { ...DESIGN, exact: true } });
   await pipeline.idle();
@@ -121,8 +122,23 @@ test("a fit that fails is told and not tried again until something changes", asy
   expect(pipeline.trouble.value).toMatchObject({ stage: "fit", message: "face 7 has 4 corners" });
   kernel.failFit = null;
   pipeline.want({ ...WISH, design: { ...DESIGN, scheme: "catmull-clark" } });
+  expect(pipeline.trouble.value).toBeNull();
   await pipeline.idle();
   expect(pipeline.trouble.value).toBeNull();
+});
+
+test("going back to what was fitted ends the trouble", async () => {
+  const { kernel, pipeline } = start();
+  pipeline.want(WISH);
+  await pipeline.idle();
+  kernel.failFit = { message: "no", help: null, repairs: [], cancelled: false };
+  pipeline.want({ ...WISH, design: { ...DESIGN, scheme: "kobbelt" } });
+  await pipeline.idle();
+  expect(pipeline.trouble.value?.message).toBe("no");
+  pipeline.want(WISH);
+  await pipeline.idle();
+  expect(pipeline.trouble.value).toBeNull();
+  expect(kernel.fitted).toHaveLength(2);
 });
 
 test("the replay draws earlier states without fitting again", async () => {
@@ -154,13 +170,15 @@ test("a drag ends in a design that is fitted already", async () => {
   await pipeline.idle();
   await pipeline.grab(Uint32Array.of(0));
   await pipeline.drag([0.5, 0, 0]);
-  const { design } = await pipeline.release((moves) => {
+  const moved: unknown[] = [];
+  await pipeline.release((moves) => {
     const next = { ...DESIGN, moves };
+    moved.push(...moves);
     pipeline.want({ ...WISH, design: next });
     return next;
   });
   await pipeline.idle();
-  expect(design.moves).toEqual([[0, 0.5, 0, 0]]);
+  expect(moved).toEqual([[0, 0.5, 0, 0]]);
   expect(kernel.fitted).toHaveLength(1);
   pipeline.want(WISH);
   await pipeline.idle();

@@ -4,8 +4,9 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { ComponentChildren } from "preact";
 import * as actions from "../actions";
 import { dismiss, message } from "../announce";
-import { openSample, SAMPLES, type Sample } from "../gallery";
+import { MODELS, openSample, SAMPLES, type Sample } from "../gallery";
 import { keyLabel } from "../keys";
+import { current } from "../workspace";
 import { measured, MEASURES, panelOpen, summary } from "../perf";
 import type { Studio } from "../studio";
 import { Button } from "./controls";
@@ -53,6 +54,9 @@ const GROUPS: Record<string, string> = {
   view: "View",
   show: "Show",
   colour: "Colours",
+  tangent: "Tangents",
+  model: "Model",
+  sphere: "Gaussian sphere",
   select: "Selecting",
   tool: "Tools",
   fit: "Fitting",
@@ -137,18 +141,26 @@ function open(studio: Studio, sample: Sample): void {
 }
 
 /** The samples as a strip, for the first minute. */
-export function Welcome({ studio }: { studio: Studio }) {
+export function Welcome(props: {
+  studio: Studio;
+  samples?: readonly Sample[];
+  title?: string;
+  says?: string;
+  /** Null if there is nothing else to see, so that it stays. */
+  onClose?: null;
+}) {
+  const { studio, samples = SAMPLES } = props;
   return (
     <nav class="welcome card" aria-label="Samples" data-testid="welcome">
       <div class="welcome-words">
-        <strong>Smooth surfaces through exactly the points you give.</strong>
-        <span>Open a mesh of your own, drop one anywhere, or try another sample.</span>
+        <strong>{props.title ?? "Smooth surfaces through exactly the points you give."}</strong>
+        <span>{props.says ?? "Open a mesh of your own, drop one anywhere, or try another sample."}</span>
       </div>
       <div class="welcome-row">
         <button type="button" class="button primary" onClick={() => actions.run("file.open")}>
           Open…
         </button>
-        {SAMPLES.map((sample) => (
+        {samples.map((sample) => (
           <button
             key={sample.file}
             type="button"
@@ -161,40 +173,48 @@ export function Welcome({ studio }: { studio: Studio }) {
             <span>{sample.title}</span>
           </button>
         ))}
-        <button
-          type="button"
-          class="icon-button"
-          aria-label="Hide the samples"
-          title="Hide the samples; G brings them back"
-          onClick={() => void (studio.welcome.value = false)}
-          data-testid="welcome-close"
-        >
-          <Icon name="close" />
-        </button>
+        {props.onClose !== null && (
+          <button
+            type="button"
+            class="icon-button"
+            aria-label="Hide the samples"
+            title="Hide the samples; G brings them back"
+            onClick={() => void (studio.welcome.value = false)}
+            data-testid="welcome-close"
+          >
+            <Icon name="close" />
+          </button>
+        )}
       </div>
     </nav>
   );
 }
 
+const GALLERY = [
+  ["Meshes", SAMPLES],
+  ["Models of streamlines", MODELS],
+] as const;
+
 export function Gallery({ studio }: { studio: Studio }) {
   const close = () => void (studio.gallery.value = false);
   return (
     <Dialog title="Samples" testid="gallery" onClose={close}>
-      <ul class="samples">
-        {SAMPLES.map((sample) => (
-          <li key={sample.file}>
-            <button
-              type="button"
-              data-testid={`sample-${sample.file}`}
-              onClick={() => open(studio, sample)}
-            >
-              <img src={`./samples/${sample.file}.png`} alt="" loading="lazy" width="160" height="110" />
-              <strong>{sample.title}</strong>
-              <span>{sample.says}</span>
-            </button>
-          </li>
-        ))}
-      </ul>
+      {(current.value === "streamline" ? GALLERY.toReversed() : GALLERY).map(([heading, samples]) => (
+        <section key={heading}>
+          <h3>{heading}</h3>
+          <ul class="samples">
+            {samples.map((sample) => (
+              <li key={sample.file}>
+                <button type="button" data-testid={`sample-${sample.file}`} onClick={() => open(studio, sample)}>
+                  <img src={`./samples/${sample.file}.png`} alt="" loading="lazy" width="160" height="110" />
+                  <strong>{sample.title}</strong>
+                  <span>{sample.says}</span>
+                </button>
+              </li>
+            ))}
+          </ul>
+        </section>
+      ))}
       <p class="hint">
         Or drop a file anywhere: OBJ, OFF, PLY, STL, glTF, GLB, also with .gz; projects (*.fairform.json) and models
         of streamlines (*.streamline.json).

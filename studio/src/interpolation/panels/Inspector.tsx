@@ -1,12 +1,12 @@
 // The panel on the right: everything about the mesh and its surface, in the order in which one meets it.
 
 import { useState } from "preact/hooks";
-import type { Design, Fineness, Method, Scheme, Triple } from "../../kernel/api";
-import { problemOf } from "../../kernel/problem";
+import type { Design, Fineness, Method, Scheme } from "../../kernel/api";
+import { problemOf, sentence } from "../../kernel/problem";
 import { ActionButton, Button, Choice, NumberField, Section, Segmented, Slider, Switch } from "../../panels/controls";
 import { change, settings, show } from "../../state/settings";
 import { COLOURINGS, FORMATS, SHOWN } from "../commands";
-import { TENSIONS, type Session } from "../session";
+import { counted, TENSIONS, type Session } from "../session";
 import { Plot } from "./Plot";
 import { short } from "./Legend";
 
@@ -71,11 +71,22 @@ export function Inspector({ session }: { session: Session }) {
 function Trouble({ session }: { session: Session }) {
   const pipeline = session.pipeline.value;
   const trouble = pipeline.trouble.value;
+  if (pipeline.stopped.value) {
+    return (
+      <div class="trouble" role="alert" data-testid="stopped">
+        <strong>The fit was stopped.</strong>
+        <p>What you see belongs to the settings before.</p>
+        <Button onClick={() => pipeline.retry()} testid="retry">
+          Fit again
+        </Button>
+      </div>
+    );
+  }
   if (!trouble) return null;
   return (
     <div class="trouble" role="alert" data-testid="trouble">
-      <strong>{trouble.message}</strong>
-      {trouble.help && <p>{trouble.help}</p>}
+      <strong>{sentence(trouble.message)}</strong>
+      {trouble.help && <p>{sentence(trouble.help)}</p>}
       <Button onClick={() => pipeline.retry()} testid="retry">
         Try again
       </Button>
@@ -123,7 +134,10 @@ function FitSection({ session, design }: { session: Session; design: Design }) {
   const updates = fit?.history.at(-1)?.iteration ?? 0;
   const set = session.setDesign.bind(session);
   const info = session.main.info.value;
-  const needsTriangles = (info?.mostCorners ?? 3) > 3;
+  const most = info?.mostCorners ?? 3;
+  const hasQuadsOnly = most === 4 && info?.leastCorners === 4;
+  const suits = (name: Scheme) =>
+    name === "kobbelt" ? hasQuadsOnly : most === 3 || (name !== "loop" && name !== "butterfly");
   const iteration = session.iteration.value;
   const isMain = session.side.value === "a";
   return (
@@ -132,9 +146,7 @@ function FitSection({ session, design }: { session: Session; design: Design }) {
         label="Scheme"
         testid="scheme"
         value={design.scheme}
-        options={SCHEMES.filter(
-          ([name]) => name === design.scheme || !needsTriangles || (name !== "loop" && name !== "butterfly"),
-        )}
+        options={SCHEMES.filter(([name]) => name === design.scheme || suits(name))}
         onChange={(scheme) => set({ scheme, tension: null, tensions: [] }, "Scheme")}
       />
       <Choice
@@ -298,7 +310,7 @@ function SurfaceSection({ session, fineness }: { session: Session; fineness: Fin
 }
 
 function ShowSection() {
-  const { shown, shading, colouring } = settings.value;
+  const { shown, shading, colouring, up } = settings.value;
   return (
     <Section title="Show" id="show" open>
       <Segmented
@@ -329,6 +341,7 @@ function ShowSection() {
             onChange={(on) => show({ [name]: on })}
           />
         ))}
+        <Switch label="z is up" testid="z-up" on={up === "z"} onChange={(on) => change({ up: on ? "z" : "y" })} />
       </div>
     </Section>
   );
@@ -341,7 +354,7 @@ function SelectionSection({ session }: { session: Session }) {
   const [wrong, setWrong] = useState("");
   const parts = (["faces", "vertices", "edges"] as const)
     .filter((kind) => mesh[kind].length > 0)
-    .map((kind) => `${mesh[kind].length.toLocaleString("en")} ${kind}`);
+    .map((kind) => counted(mesh[kind].length, kind));
   const submit = (e: Event) => {
     e.preventDefault();
     setWrong("");
@@ -428,7 +441,7 @@ function TensionSection({ session, design }: { session: Session; design: Design 
   return (
     <Section title="Tension" id="tension">
       <Slider
-        label={selected > 0 ? `Tension of ${selected} ${selected === 1 ? "face" : "faces"}` : "Tension of all faces"}
+        label={selected > 0 ? `Tension of ${counted(selected, "faces")}` : "Tension of all faces"}
         testid="tension"
         value={session.tension.value}
         min={range.min}
@@ -446,7 +459,8 @@ function TensionSection({ session, design }: { session: Session; design: Design 
         max={12}
         step={0.25}
         unit="edges"
-        onInput={(value) => void (session.falloff.value = value)}
+        onInput={(value) => session.setFalloff(value)}
+        onEnd={() => session.seal()}
       />
       <Switch
         label="Heat map of the tension"
@@ -466,12 +480,6 @@ function VertexSection({ session }: { session: Session }) {
   const mesh = session.mesh.value!;
   const first = mesh.vertices[0];
   const place = first === undefined ? null : session.placeOf(first);
-  const type = (axis: number, value: number) => {
-    if (!place) return;
-    const offset: Triple = [0, 0, 0];
-    offset[axis as 0 | 1 | 2] = value - place[axis]!;
-    session.nudge(offset);
-  };
   return (
     <Section title="Vertices" id="vertices">
       {place ? (
@@ -482,13 +490,13 @@ function VertexSection({ session }: { session: Session }) {
               : `Vertex ${first}, and ${mesh.vertices.length - 1} that move with it`}
           </p>
           <div class="triple">
-            {["x", "y", "z"].map((axis, i) => (
+            {(["x", "y", "z"] as const).map((axis, i) => (
               <NumberField
                 key={`${axis}${first}`}
                 label={axis}
                 testid={`vertex-${axis}`}
                 value={place[i]!}
-                onCommit={(value) => type(i, value)}
+                onCommit={(value) => session.typeCoordinate(i as 0 | 1 | 2, value)}
               />
             ))}
           </div>
@@ -520,7 +528,7 @@ function EdgeSection({ session, design }: { session: Session; design: Design }) 
       {mesh.edges.length > 0 ? (
         <>
           <Slider
-            label={`Sharpness of ${mesh.edges.length} ${mesh.edges.length === 1 ? "edge" : "edges"}`}
+            label={`Sharpness of ${counted(mesh.edges.length, "edges")}`}
             testid="sharpness"
             value={sharpness < 0 ? 10 : sharpness}
             min={0}
