@@ -26,7 +26,7 @@ use crate::values::{Colouring, Values};
 use crate::{Geometry, Problem};
 
 /// Most points of a surface that is drawn: the memory of a page has an end.
-const MOST_POINTS: u64 = 12_000_000;
+const MOST_POINTS: u64 = 4_000_000;
 
 /// One mesh, what was last decided about it, and the surface that follows.
 #[derive(Debug)]
