@@ -1,6 +1,5 @@
 //! [`MeshSession`]: one mesh, from its bytes to its surface.
 
-use std::fmt::Write as _;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::str::FromStr;
@@ -767,13 +766,10 @@ fn notes_on(fit: &Fit, rules: &Rules) -> Vec<String> {
     }
     if !fit.singular.is_empty() {
         let count = fit.singular.len();
-        let mut note = String::new();
-        let _ = write!(
-            note,
-            "no control mesh of the given connectivity interpolates {count} of the parts, so the control \
-             mesh is one level finer"
-        );
-        notes.push(note);
+        notes.push(format!(
+            "no control mesh of the given connectivity interpolates {count} of the parts, so the \
+             control mesh is one level finer"
+        ));
     }
     if let Some(distance) = pushed_back {
         notes
