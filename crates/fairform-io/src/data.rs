@@ -124,8 +124,9 @@ pub(crate) fn join_faces(mut parts: Vec<Faces>) -> Result<Faces, ParseError> {
     }
     let mut tasks = Vec::with_capacity(parts.len());
     let mut before = 0;
-    for part in &parts {
-        tasks.push((&part.starts()[1..], before as u32));
+    let starts: Vec<_> = parts.iter().map(Faces::starts).collect();
+    for (part, starts) in parts.iter().zip(&starts) {
+        tasks.push((&starts[1..], before as u32));
         before += part.corners().len();
         if before > u32::MAX as usize {
             return Err(too_many_corners(Place::File));

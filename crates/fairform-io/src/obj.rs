@@ -12,7 +12,7 @@ use std::io::Write;
 use std::mem::take;
 use std::ops::Range;
 
-use fairform::{Faces, NONE, Vec3};
+use fairform::{FaceId, Faces, NONE, Vec3};
 
 use crate::crease::CreaseList;
 use crate::data::{
@@ -1012,7 +1012,7 @@ fn face_rows(
     rows: Range<usize>,
     out: &mut Vec<u8>,
 ) {
-    let (start, corners) = (data.faces.starts(), data.faces.corners());
+    let corners = data.faces.corners();
     let mut numbers = NumberWriter::new(false);
     for face in rows {
         let labels = [("g ", &data.groups), ("usemtl ", &data.materials)];
@@ -1032,7 +1032,7 @@ fn face_rows(
             }
         }
         out.push(b'f');
-        let own = start[face] as usize..start[face + 1] as usize;
+        let own = data.faces.range(FaceId(face as u32));
         for (corner, &vertex) in own.clone().zip(&corners[own]) {
             let (uv, normal) = (uvs.get(corner, vertex), normals.get(corner, vertex));
             out.push(b' ');

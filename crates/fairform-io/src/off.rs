@@ -10,7 +10,7 @@ use std::io::Write;
 use std::mem::take;
 use std::ops::Range;
 
-use fairform::{Faces, Vec3};
+use fairform::{FaceId, Faces, Vec3};
 
 use crate::data::{
     MeshData, WriteOptions, all_exact_bytes, exact_bytes, join_faces, scale_large_colours,
@@ -471,9 +471,8 @@ fn vertex_rows(
 /// Appends the lines of some faces.
 fn face_rows(data: &MeshData, rows: Range<usize>, out: &mut Vec<u8>) {
     let mut numbers = NumberWriter::new(false);
-    let (start, corners) = (data.faces.starts(), data.faces.corners());
     for face in rows {
-        let face = &corners[start[face] as usize..start[face + 1] as usize];
+        let face = data.faces.get(FaceId(face as u32));
         numbers.whole(out, face.len() as u64);
         for &v in face {
             out.push(b' ');
@@ -521,7 +520,7 @@ mod tests {
         assert!(is_in_parts(text, kind, [4, 3]));
         let whole = parse(text.as_bytes(), 1).unwrap();
         assert_eq!(whole.notes.len(), 3, "{:?}", whole.notes);
-        assert_eq!(whole.faces.starts(), [0, 3, 3, 7]);
+        assert_eq!(*whole.faces.starts(), [0, 3, 3, 7]);
         assert_eq!(whole.colours.as_ref().unwrap()[0], [1.0, 0.0, 0.0, 1.0]);
         for parts in 2..text.len() {
             assert_eq!(parse(text.as_bytes(), parts).as_ref(), Ok(&whole), "{parts} parts");

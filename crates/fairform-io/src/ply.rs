@@ -604,7 +604,7 @@ mod tests {
         assert!(is_in_parts(text));
         let whole = parse(text.as_bytes(), 1).unwrap();
         assert_eq!(whole.notes.len(), 4, "{:?}", whole.notes);
-        assert_eq!(whole.faces.starts(), [0, 3, 6, 9, 9, 13]);
+        assert_eq!(*whole.faces.starts(), [0, 3, 6, 9, 9, 13]);
         assert_eq!(whole.corner_uvs.as_ref().unwrap()[7], [1.0, 0.0]);
         for parts in 2..text.len() {
             assert_eq!(parse(text.as_bytes(), parts).as_ref(), Ok(&whole), "{parts} parts");
