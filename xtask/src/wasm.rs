@@ -11,7 +11,7 @@ use crate::command::{Result, cargo, output, root, step, succeeds};
 const TARGET: &str = "wasm32-unknown-unknown";
 const PLACE: &str = "studio/src/kernel/wasm";
 /// For a download of some 30 MB.
-const PATIENCE: Duration = Duration::from_secs(120);
+const PATIENCE: Duration = Duration::from_mins(2);
 /// Of the npm package with `wasm-opt`, where the studio has not installed one.
 const BINARYEN: &str = "binaryen@132";
 
