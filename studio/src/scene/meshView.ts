@@ -320,7 +320,7 @@ export class MeshView {
         this.#replace("selectedPoints", skin.sharing(NONE));
         this.#replace("hoverPoint", skin.sharing(NONE));
         skin.geometry.computeBoundingBox();
-        this.#viewport.setBounds(skin.geometry.boundingBox!);
+        this.#viewport.setBounds(skin.geometry.boundingBox!, given.positions);
       }
     }
     if (given && this.#givenSkin) {
