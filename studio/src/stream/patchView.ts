@@ -105,12 +105,15 @@ export class PatchView {
     this.#lines.combs.visible = false;
   }
 
-  /** The streamline that is drawn thick, as a row of points; null for none. */
-  setChosen(line: number | null): void {
+  /** The line that is drawn thick, as a row of points or, across the streamlines, a column; null for none. */
+  setChosen(line: number | null, across = false): void {
     const geometry = this.#geometry;
     this.#chosen.visible = line !== null && geometry !== null;
     if (line === null || !geometry) return;
-    const pairs = segments(geometry.positions, line * geometry.columnCount, geometry.columnCount);
+    const { positions, rowCount, columnCount } = geometry;
+    const pairs = across
+      ? segments(positions, line, rowCount, columnCount)
+      : segments(positions, line * columnCount, columnCount);
     this.#chosen.geometry.dispose();
     this.#chosen.geometry = new LineSegmentsGeometry().setPositions(pairs);
   }
