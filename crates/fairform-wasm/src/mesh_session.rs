@@ -58,6 +58,8 @@ pub(crate) struct Fitted {
     pub(crate) unit: f64,
     /// All updates, counted through the stages.
     pub(crate) updates: u32,
+    /// How many updates each stage makes, where that is not for a tolerance to say.
+    pub(crate) each: Option<u32>,
     /// Which faces of the given mesh have a surface, if not all have.
     pub(crate) shown: Option<Vec<bool>>,
 }
@@ -338,6 +340,8 @@ impl MeshSession {
             control_vertex_count: control.topology().vertex_count(),
             control_face_count: control.topology().face_count(),
         };
+        let counted = report.stages.iter().filter(|s| s.solve.outcome == Outcome::CountReached);
+        let each = counted.map(|stage| stage.solve.last().updates).max();
         let shown = self.shown(&rules, target.topology());
         self.mesh = target.clone();
         (self.drawn, self.editor, self.grabbed) = (None, None, None);
@@ -350,6 +354,7 @@ impl MeshSession {
             control_rules,
             unit: report.unit,
             updates,
+            each,
             shown,
         });
         Ok(result)
@@ -574,9 +579,8 @@ impl Fitted {
         let (topology, positions) = (self.target.topology(), self.target.positions());
         let interpolator = Interpolator::near(topology, &self.rules, positions)?;
         let mut options = self.design.options();
-        if self.level > 0 {
-            // What is pushed back is solved for by a number of updates, not by a tolerance.
-            options.tolerance = None;
+        if let Some(each) = self.each {
+            (options.tolerance, options.iterations) = (None, each);
         }
         Ok((interpolator.after(positions, &options, updates)?, 0))
     }

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use fairform::interpolate::Method;
-use fairform::{Corners, Scheme, Vec3, shapes};
+use fairform::{Corners, Rules, Scheme, Vec3, VertexId, limit, shapes};
 use fairform_io::project::{Design, Fineness};
 use fairform_io::{Format, parse};
 use fairform_wasm::{Colouring, MeshSession, Query, What};
@@ -97,9 +97,13 @@ fn fits_are_those_of_the_reference() {
 fn iterates_lead_from_the_mesh_to_the_control_mesh() {
     let sheet = shapes::sheet(6, 7, |x, y| 0.3 * x * y - y);
     let mut session = open(&sheet);
-    for (exact, method) in
-        [(false, Method::Auto), (false, Method::ConjugateGradients), (true, Method::Plain)]
-    {
+    let topology = sheet.topology();
+    for (exact, method) in [
+        (false, Method::Auto),
+        (false, Method::ConjugateGradients),
+        (true, Method::Plain),
+        (true, Method::Auto),
+    ] {
         let result = fit(&mut session, &Design { exact, method, ..Design::default() });
         let last = result.history.last().unwrap().iteration;
         let order: Vec<u32> = result.history.iter().map(|p| p.iteration).collect();
@@ -108,6 +112,21 @@ fn iterates_lead_from_the_mesh_to_the_control_mesh() {
         assert_eq!(first.positions, session.given().geometry.positions);
         let end = session.control(Some(last)).unwrap();
         assert_eq!(end.positions, session.control(None).unwrap().positions);
+        // The largest distance after each update is what the history says.
+        for step in &result.history {
+            let control = session.control(Some(step.iteration)).unwrap().positions;
+            if control.len() != topology.vertex_count() {
+                continue;
+            }
+            let control: Vec<Vec3> = control.iter().map(|p| p.map(f64::from).into()).collect();
+            let limit = limit::limit_points(topology, &control, &Rules::LOOP).unwrap();
+            let is_in = |v: &VertexId| topology.is_boundary(*v) == (step.stage == "boundary");
+            let distance = |v: VertexId| (limit[v.index()] - sheet.positions()[v.index()]).length();
+            let max = topology.vertices().filter(is_in).map(distance).fold(0.0, f64::max);
+            let max = max / sheet.bounds().diagonal();
+            // In single precision.
+            assert!((max - step.max).abs() < 1e-6, "{exact} {method} {step:?}: {max:e}");
+        }
         if !exact {
             // The last but one is nearly there.
             let before = session.control(Some(last - 1)).unwrap();
