@@ -30,7 +30,7 @@ pub(crate) fn run() -> Result {
         // Libraries only: the command and the kernel have one name.
         cargo(&["doc", "--workspace", "--lib", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"),
     )?;
-    test::run()?;
+    test::run(true)?;
     eprintln!("\nall checks passed");
     Ok(())
 }

@@ -1,9 +1,13 @@
 //! `cargo xtask test`.
 
 use crate::command::{Result, cargo, step, succeeds};
-use crate::new_user;
+use crate::{new_user, studio};
 
-pub(crate) fn run() -> Result {
+pub(crate) fn run(with_studio: bool) -> Result {
+    if with_studio {
+        // First, so that the command that is tested carries the page.
+        studio::build()?;
+    }
     let runner: &[&str] = if succeeds(&mut cargo(&["nextest", "--version"])) {
         &["nextest", "run"]
     } else {
@@ -36,5 +40,6 @@ pub(crate) fn run() -> Result {
             "exact::",
         ]),
     )?;
-    new_user::run()
+    new_user::run()?;
+    if with_studio { studio::test() } else { Ok(()) }
 }

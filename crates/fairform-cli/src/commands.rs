@@ -11,3 +11,4 @@ pub(crate) mod refine;
 pub(crate) mod render;
 pub(crate) mod repair;
 pub(crate) mod streamline;
+pub(crate) mod studio;

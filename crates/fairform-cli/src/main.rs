@@ -51,6 +51,7 @@ fn run(args: &Args, console: &Console) -> Result<ExitCode, Failure> {
         Command::Render(args) => commands::render::run(args, console),
         Command::Curve(args) => commands::curve::run(args, console),
         Command::Streamline(args) => commands::streamline::run(args, console),
+        Command::Studio(args) => commands::studio::run(args, console),
         Command::Completions { shell } => commands::completions::run(*shell, console),
     }
 }

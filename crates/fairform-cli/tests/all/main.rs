@@ -8,4 +8,6 @@ mod models;
 mod options;
 mod outputs;
 mod polygons;
+mod projects;
 mod streamline;
+mod studio;
