@@ -2,6 +2,7 @@
 
 use alloc::borrow::Cow;
 use alloc::vec::Vec;
+use core::fmt;
 use core::ops::Range;
 
 use crate::ids::FaceId;
@@ -10,14 +11,14 @@ use crate::ids::FaceId;
 ///
 /// Any corner count is allowed, also 0, and any vertex number, also one out of range:
 /// `Topology::from_faces` names what is wrong, `repair` mends it.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Faces {
     starts: Starts,
     corners: Vec<u32>,
 }
 
 /// Where faces begin. Large meshes mostly have faces of one size, which need no list.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 enum Starts {
     /// Every so many corners, which are some.
     Every(u32),
@@ -28,6 +29,13 @@ enum Starts {
 impl Default for Faces {
     fn default() -> Self {
         Self::new()
+    }
+}
+
+/// Face by face: the same faces look the same, however they were made.
+impl fmt::Debug for Faces {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.iter()).finish()
     }
 }
 
