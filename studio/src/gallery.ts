@@ -8,6 +8,7 @@ export interface Sample {
   says: string;
   /** Where it looks best from. */
   look?: Triple;
+  up?: "y" | "z";
 }
 
 const COW: Triple = [-0.8, 0.3, -0.75];
@@ -19,12 +20,12 @@ export const SAMPLES: readonly Sample[] = [
   { file: "penguin.obj", title: "Penguin", says: "3- to 5-gons, by Oded Stein (CC BY 4.0)" },
   { file: "cube.obj", title: "Cube", says: "Six faces in three groups" },
   { file: "torus.obj", title: "Torus", says: "32 regular quadrilaterals" },
-  { file: "pawn.obj", title: "Pawn", says: "Open below: a boundary in red" },
+  { file: "pawn.obj", title: "Pawn", says: "Open below: a boundary in red", up: "z" },
   { file: "fandisk.off", title: "Fan disk", says: "A machine part, for creases" },
   { file: "knot.obj", title: "Knot", says: "1440 regular quadrilaterals" },
 ];
 
-export async function openSample({ file, look }: Sample): Promise<Source> {
+export async function openSample({ file, look, up = "y" }: Sample): Promise<Source> {
   const source = await fetchFile(`./samples/${file}`, file);
-  return look ? { ...source, look } : source;
+  return look ? { ...source, look, up } : { ...source, up };
 }

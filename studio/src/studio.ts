@@ -59,6 +59,11 @@ export class Studio {
       this.#unregister();
       this.#unregister = register(actions);
     });
+    effect(() => {
+      // The first change of one's own ends the welcome, as opening something does.
+      const isBeginning = this.history.undoLabel === null && current.value === "interpolation";
+      if (!isBeginning) this.welcome.value = false;
+    });
     effect(() => applyTheme(settings.value.theme));
     watchSystem(() => settings.value.theme);
     effect(() => {

@@ -32,10 +32,7 @@ declare global {
 export function offerTestHooks(studio: Studio, session: Session): void {
   globalThis.fairform = {
     state: () => snapshot(studio, session),
-    idle: async () => {
-      await session.main.idle();
-      await session.other.peek()?.idle();
-    },
+    idle: () => session.idle(),
     screenOf: (vertex) => session.scene.peek()?.screenOf(vertex) ?? null,
     screenOfFace: (face) => session.scene.peek()?.picker.screenOfFace(face) ?? null,
     actions: () => list().map((action) => action.name),

@@ -120,5 +120,5 @@ test("a surface begins with as many levels as stay quick", () => {
   expect(suitableLevels(368, 3)).toBe(4);
   expect(suitableLevels(6, 4)).toBe(4);
   expect(suitableLevels(10_000, 4)).toBe(1);
-  expect(suitableLevels(1_000_000, 3)).toBe(1);
+  expect(suitableLevels(1_000_000, 3)).toBe(0);
 });

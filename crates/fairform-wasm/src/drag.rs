@@ -1,12 +1,12 @@
 //! Dragging vertices: what moves, and only that.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 
 use fairform::edit::{Drag, Editor};
 use fairform::interpolate::{Interpolator, fit_mesh};
 use fairform::pushback::PushBack;
-use fairform::tessellate::Tessellation;
+use fairform::tessellate::{Part, Tessellation};
 use fairform::{FaceId, Topology, Vec3, VertexId, refine};
 
 use crate::Problem;
@@ -46,7 +46,7 @@ pub(crate) struct Grabbed {
     vertices: Vec<VertexId>,
     /// How far they are from where they were grabbed.
     offset: Vec3,
-    part: Part,
+    moving: Moving,
     /// Whether all of the surface is told next: it is not what was last drawn.
     all: bool,
 }
@@ -62,52 +62,67 @@ enum How {
 
 /// The part of a surface that depends on what is dragged.
 #[derive(Debug, Default)]
-struct Part {
-    /// Faces of the base.
-    faces: Vec<FaceId>,
-    /// The points of the surface on them, each once.
+struct Moving {
+    /// Points that lie one behind the other.
+    parts: Vec<Part>,
+    /// The numbers of all of them.
     vertices: Vec<u32>,
-    /// For each face and each of its points the place in `vertices`.
-    places: Vec<u32>,
     /// Control points.
     control: Vec<u32>,
 }
 
-impl Part {
-    /// The part that belongs to some faces of the given mesh.
-    fn new(fine: &Tessellation, origin: &[u32], faces: &[FaceId], control: Vec<u32>) -> Self {
-        let is_moved = |f: &u32| faces.binary_search(&FaceId(*f)).is_ok();
-        let moved = origin.iter().zip(0..).filter(|f| is_moved(f.0)).map(|f| FaceId(f.1));
-        let faces: Vec<FaceId> = moved.collect();
-        let mut places: Vec<u32> = faces.iter().flat_map(|&f| fine.patch_numbers(f)).collect();
-        let mut vertices = places.clone();
-        vertices.sort_unstable();
-        vertices.dedup();
-        for place in &mut places {
-            // It is among them.
-            *place = vertices.binary_search(place).unwrap_or_default() as u32;
+/// Points or faces that do not move are told too where they are so few between those that do.
+const GAP: usize = 4;
+
+/// Numbers, ascending, as ranges.
+fn ranges(numbers: impl Iterator<Item = usize>) -> Vec<Range<usize>> {
+    let mut ranges: Vec<Range<usize>> = Vec::new();
+    for number in numbers {
+        match ranges.last_mut() {
+            Some(last) if number <= last.end + GAP => last.end = number + 1,
+            _ => ranges.push(number..number + 1),
         }
-        Self { faces, vertices, places, control }
+    }
+    ranges
+}
+
+impl Moving {
+    /// The part that belongs to some faces of the given mesh.
+    ///
+    /// Of a face that does not move, nothing on its outline does; so the points on edges move only where
+    /// the first face of the edge does, which are those that [`Part::Sides`] has.
+    fn new(fine: &Tessellation, origin: &[u32], faces: &[FaceId], control: Vec<u32>) -> Self {
+        let base = fine.base();
+        let is_moved = |f: &u32| faces.binary_search(&FaceId(*f)).is_ok();
+        let moved = || (0..origin.len()).filter(|&f| is_moved(&origin[f]));
+        let on = moved().flat_map(|f| base.face_vertices(FaceId(f as u32)));
+        let mut corners: Vec<usize> = on.map(|v| v.index()).collect();
+        corners.sort_unstable();
+        corners.dedup();
+        let mut parts: Vec<Part> =
+            ranges(corners.into_iter()).into_iter().map(Part::Vertices).collect();
+        if fine.has_grids() {
+            for run in ranges(moved()) {
+                parts.extend([Part::Sides(run.clone()), Part::Inside(run)]);
+            }
+        }
+        parts.retain(|part| !fine.numbers_of(part).is_empty());
+        let vertices = parts.iter().flat_map(|part| fine.numbers_of(part)).map(|v| v as u32);
+        Self { vertices: vertices.collect(), parts, control }
     }
 
     /// Where its points are.
     fn points(&self, fine: &Tessellation, control: &[Vec3]) -> Result<[Vec<[f32; 3]>; 2], Problem> {
         let surface = fine.surface(control)?;
-        let new = || vec![[0.0; 3]; self.vertices.len()];
-        let [mut positions, mut normals] = [new(), new()];
-        let (mut p, mut n) = (Vec::new(), Vec::new());
-        let mut places = self.places.as_slice();
-        for &face in &self.faces {
-            let count = fine.patch_size(face);
-            p.resize(count, [0.0; 3]);
-            n.resize(count, [0.0; 3]);
-            surface.fill_patch(face, &mut p, Some(&mut n));
-            let (own, rest) = places.split_at(count);
-            places = rest;
-            for ((&place, &p), &n) in own.iter().zip(&p).zip(&n) {
-                positions[place as usize] = p;
-                normals[place as usize] = n;
-            }
+        let mut positions = vec![[0.0; 3]; self.vertices.len()];
+        let mut normals = positions.clone();
+        let (mut p, mut n) = (&mut positions[..], &mut normals[..]);
+        for part in &self.parts {
+            let count = fine.numbers_of(part).len();
+            let (own, rest) = p.split_at_mut(count);
+            let (own_normals, rest_normals) = n.split_at_mut(count);
+            surface.fill_part(part, own, Some(own_normals));
+            (p, n) = (rest, rest_normals);
         }
         Ok([positions, normals])
     }
@@ -135,25 +150,25 @@ impl MeshSession {
             Some((editor, drag))
         });
         let is_last = drawn.iteration.is_none();
-        let (how, part) = match grabbed {
-            None => (How::Again, Part::default()),
+        let (how, moving) = match grabbed {
+            None => (How::Again, Moving::default()),
             Some((editor, drag)) => {
                 let changed = drag.changed();
                 let control = match fitted.level {
                     0 => changed.vertices.iter().map(|v| v.0).collect(),
                     _ => fitted.finer_vertices(changed.faces)?,
                 };
-                let part = match is_last {
-                    true => Part::new(&drawn.fine, &drawn.origin, changed.faces, control),
-                    false => Part { control, ..Part::default() },
+                let moving = match is_last {
+                    true => Moving::new(&drawn.fine, &drawn.origin, changed.faces, control),
+                    false => Moving { control, ..Moving::default() },
                 };
-                (How::Column(Box::new((editor, drag))), part)
+                (How::Column(Box::new((editor, drag))), moving)
             }
         };
         // A surface one level down is not that of the control points that follow, but for rounding or
         // fairness.
         let all = fitted.level > 0 || !is_last || matches!(how, How::Again);
-        self.grabbed = Some(Grabbed { how, vertices, offset: Vec3::ZERO, part, all });
+        self.grabbed = Some(Grabbed { how, vertices, offset: Vec3::ZERO, moving, all });
         Ok(())
     }
 
@@ -194,11 +209,11 @@ impl MeshSession {
         self.mesh = fitted.target.clone();
         fitted.control = fitted.control.with_positions(control);
         let all = std::mem::take(&mut grabbed.all) || matches!(grabbed.how, How::Again);
-        self.moved((!all).then_some(&grabbed.part))
+        self.moved((!all).then_some(&grabbed.moving))
     }
 
     /// Takes the control points over into the drawing, and tells where a part of it is, or all of it.
-    fn moved(&mut self, part: Option<&Part>) -> Result<DragAnswer, Problem> {
+    fn moved(&mut self, moving: Option<&Moving>) -> Result<DragAnswer, Problem> {
         let (Some(fitted), Some(drawn)) = (&self.fitted, &mut self.drawn) else {
             return Err(Problem::new("no surface has been drawn yet"));
         };
@@ -208,7 +223,7 @@ impl MeshSession {
         drawn.control.clear();
         drawn.control.extend_from_slice(fitted.control.positions());
         let control = &drawn.control;
-        let Some(part) = part else {
+        let Some(moving) = moving else {
             let (positions, normals) = drawn.all_points()?;
             let control_vertices = (0..control.len() as u32).collect();
             let control_positions = single(control);
@@ -221,13 +236,13 @@ impl MeshSession {
                 control_positions,
             });
         };
-        let [positions, normals] = part.points(&drawn.fine, control)?;
+        let [positions, normals] = moving.points(&drawn.fine, control)?;
         Ok(DragAnswer {
-            vertices: Some(part.vertices.clone()),
+            vertices: Some(moving.vertices.clone()),
             positions,
             normals,
-            control_vertices: part.control.clone(),
-            control_positions: part.control.iter().map(|&v| control[v as usize].into()).collect(),
+            control_vertices: moving.control.clone(),
+            control_positions: moving.control.iter().map(|&v| control[v as usize].into()).collect(),
         })
     }
 

@@ -343,6 +343,13 @@ impl Tessellation {
         inner.iter_mut().zip(first..).for_each(|(slot, number)| *slot = number);
     }
 
+    /// Whether there are points on the sides of the faces of the base, or inside: not where all steps are made
+    /// one by one, nor with Doo and Sabin's scheme, which has squares around vertices.
+    #[must_use]
+    pub fn has_grids(&self) -> bool {
+        self.plan.is_some()
+    }
+
     /// All points in order, part by part: for those who cannot, or need not, have all in memory.
     pub fn parts(&self) -> impl Iterator<Item = Part> + use<> {
         let blocks = |len: usize, block: usize| {
@@ -400,21 +407,6 @@ impl Tessellation {
         let mut numbers = alloc::vec![0; plan.grid.point_count()];
         self.numbers(&plan.grid, face.index(), &mut numbers);
         numbers
-    }
-
-    /// How many points [`patch_numbers`](Self::patch_numbers) has for a face.
-    ///
-    /// # Panics
-    /// If there is no such face.
-    #[must_use]
-    pub fn patch_size(&self, face: FaceId) -> usize {
-        match &self.plan {
-            Some(plan) => plan.grid.point_count(),
-            None => {
-                let corners = self.base().face_halfedges(face).len();
-                corners * self.squares.as_ref().map_or(1, Squares::point_count)
-            }
-        }
     }
 
     /// The faces that a face of the base is cut into, in the points of

@@ -91,6 +91,13 @@ export function commands(session: Session): Action[] {
     view("bottom", "Shift+U"),
     view("iso", "Home"),
     { name: "view.fit", label: "View: everything", keys: ["."], run: () => scene()?.show() },
+    {
+      name: "view.z-up",
+      label: "z is up",
+      keys: ["Y"],
+      run: () => change({ up: settings.value.up === "z" ? "y" : "z" }),
+      on: () => settings.value.up === "z",
+    },
     turn("turn-left", "Turn the view left", "ArrowLeft", -10, 0),
     turn("turn-right", "Turn the view right", "ArrowRight", 10, 0),
     turn("turn-up", "Turn the view up", "ArrowUp", 0, 10),

@@ -30,6 +30,9 @@ class Stage {
     };
     this.#stop.push(
       effect(() => {
+        viewport.up = settings.value.up;
+      }),
+      effect(() => {
         void look.value;
         view.setPalette(paletteOf(host));
       }),
@@ -37,7 +40,10 @@ class Stage {
       effect(() => view.setControl(pipeline.control.value)),
       effect(() => {
         view.setSurface(pipeline.surface.value);
-        view.setValues(pipeline.values.value, settings.value.colouring);
+        // Side by side, one legend goes for both.
+        const range = session.main.values.value;
+        const values = pipeline.values.value;
+        view.setValues(values && range && { ...values, low: range.low, high: range.high }, settings.value.colouring);
       }),
       effect(() => view.setFaces(session.mesh.value?.faces ?? NONE)),
       effect(() => {

@@ -16,7 +16,7 @@ import {
 } from "../state/document";
 import { all, combine, fromMask, maskOf, NONE, type Combine, type Indices } from "../state/indices";
 import type { Camera } from "../state/project";
-import { settings } from "../state/settings";
+import { change, settings } from "../state/settings";
 import type { Studio } from "../studio";
 import { Pipeline, type Wish } from "./pipeline";
 import type { MeshScene } from "./scene";
@@ -72,6 +72,8 @@ export class Session {
   );
 
   #drag: Drag | null = null;
+  /** The end of the last drag: the surface settles. */
+  #ending: Promise<void> = Promise.resolve();
   /** The design that a slide of the tension began with, so that falloff does not add up. */
   #tensionBase: Design | null = null;
   #tensionAsked: { value: number; base: Design } | null = null;
@@ -125,6 +127,7 @@ export class Session {
     this.firstLook = source.look ?? null;
     try {
       const info = await this.main.open(source, repairs);
+      if (source.up) change({ up: source.up });
       const levels = suitableLevels(info.faceCount, info.mostCorners);
       const mesh = meshDocument(source, repairs, designFor(info), levels);
       const document = { ...this.studio.history.present.peek(), mesh };
@@ -228,7 +231,7 @@ export class Session {
     const next = combine(mesh[target], picked, how);
     if (next.length === 0 && mesh[target].length === 0) return;
     this.edit({ [target]: next }, "Selection", key);
-    announce(`${next.length} ${next.length === 1 ? SINGULAR[target] : target} selected`);
+    announce(`${counted(next.length, target)} selected`);
   }
 
   selectAll(): void {
@@ -418,10 +421,21 @@ export class Session {
     }
   }
 
-  async endDrag(): Promise<void> {
+  endDrag(): Promise<void> {
     const drag = this.#drag;
-    if (!drag) return;
     this.#drag = null;
+    if (drag) this.#ending = this.#end(drag);
+    return this.#ending;
+  }
+
+  /** Resolves when nothing is left to compute. */
+  async idle(): Promise<void> {
+    await this.#ending;
+    await this.main.idle();
+    await this.other.peek()?.idle();
+  }
+
+  async #end(drag: Drag): Promise<void> {
     try {
       await drag.ready;
       await drag.busy;
@@ -470,6 +484,11 @@ export const TENSIONS: Record<Scheme, { min: number; max: number; plain: number 
 };
 
 const SINGULAR: Record<Target, string> = { faces: "face", vertices: "vertex", edges: "edge" };
+
+/** `1 vertex`, `12 vertices`. */
+export function counted(count: number, kind: Target): string {
+  return `${count.toLocaleString("en")} ${count === 1 ? SINGULAR[kind] : kind}`;
+}
 
 function placesAt(drag: Drag, offset: Triple): Float32Array {
   return drag.start.map((x, i) => x + offset[i % 3]!);

@@ -1,6 +1,5 @@
 import type { Studio } from "../studio";
 import { message, status } from "../announce";
-import { current } from "../workspace";
 import { Gallery, Help, MessageDialog, Performance, Welcome } from "./dialogs";
 import { TopBar } from "./TopBar";
 
@@ -16,7 +15,7 @@ export function App({ studio }: { studio: Studio }) {
           {status.value}
         </span>
       </footer>
-      {studio.welcome.value && current.value === "interpolation" && <Welcome studio={studio} />}
+      {studio.welcome.value && <Welcome studio={studio} />}
       <Performance />
       {studio.gallery.value && <Gallery studio={studio} />}
       {studio.help.value && <Help studio={studio} />}

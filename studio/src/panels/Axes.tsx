@@ -1,5 +1,6 @@
 import type { ReadonlySignal } from "@preact/signals";
 import type { Triple } from "../kernel/api";
+import { settings } from "../state/settings";
 import type { Preset } from "../scene/viewport";
 
 const AXES = [
@@ -8,15 +9,19 @@ const AXES = [
   { name: "z", colour: "#3e7bfa", to: "front", from: "back" },
 ] as const satisfies readonly { name: string; colour: string; to: Preset; from: Preset }[];
 
+/** Which view looks along an axis when z is up. */
+const WITH_Z_UP: Partial<Record<Preset, Preset>> = { top: "back", bottom: "front", front: "top", back: "bottom" };
+
 /** Where x, y and z point; their ends are buttons that look along them. */
 export function Axes(props: { turns: ReadonlySignal<readonly Triple[]>; onView: (preset: Preset) => void }) {
   const turns = props.turns.value;
   if (turns.length < 3) return null;
+  const along = (preset: Preset) => (settings.value.up === "z" ? (WITH_Z_UP[preset] ?? preset) : preset);
   const ends = AXES.flatMap((axis, i) => {
     const [x, y, z] = turns[i]!;
     return [
-      { axis, preset: axis.to as Preset, x: 42 + 30 * x, y: 42 - 30 * y, near: z, isFirst: true },
-      { axis, preset: axis.from as Preset, x: 42 - 30 * x, y: 42 + 30 * y, near: -z, isFirst: false },
+      { axis, preset: along(axis.to), x: 42 + 30 * x, y: 42 - 30 * y, near: z, isFirst: true },
+      { axis, preset: along(axis.from), x: 42 - 30 * x, y: 42 + 30 * y, near: -z, isFirst: false },
     ];
   }).sort((a, b) => a.near - b.near);
   const activate = (preset: Preset) => (e: KeyboardEvent) => {

@@ -16,6 +16,9 @@ export const RAMP_TEXTURES = {
   diverging: rampTexture("diverging"),
 };
 
+/** The direction that points up, shared by all materials. */
+export const UP = { value: new THREE.Vector3(0, 1, 0) };
+
 export const FINISH = { shaded: 0, zebra: 1, reflection: 2 } as const;
 
 /** Three lamps that turn with the camera above a sky that does not, a soft highlight, a sheen at the rim. */
@@ -36,6 +39,7 @@ export function surfaceMaterial(): THREE.ShaderMaterial {
       front: { value: new THREE.Color() },
       back: { value: new THREE.Color() },
       opacity: { value: 1 },
+      upward: UP,
     },
     vertexShader: /* glsl */ `
       attribute float value;
@@ -59,6 +63,7 @@ export function surfaceMaterial(): THREE.ShaderMaterial {
       uniform vec3 front;
       uniform vec3 back;
       uniform float opacity;
+      uniform vec3 upward;
       varying vec3 vNormal;
       varying vec3 vPlace;
       varying float vValue;
@@ -77,7 +82,7 @@ export function surfaceMaterial(): THREE.ShaderMaterial {
           n = normalize(vNormal);
           if (!gl_FrontFacing) n = -n;
         }
-        vec3 up = normalize((viewMatrix * vec4(0.0, 1.0, 0.0, 0.0)).xyz);
+        vec3 up = (viewMatrix * vec4(upward, 0.0)).xyz;
         vec3 albedo = gl_FrontFacing ? front : back;
         float gloss = 1.0;
         if (coloured) {
@@ -104,12 +109,13 @@ export function surfaceMaterial(): THREE.ShaderMaterial {
 
         if (finish == 1) {
           vec3 r = normalize((vec4(reflect(-eye, n), 0.0) * viewMatrix).xyz);
-          float band = bands(acos(clamp(r.y, -1.0, 1.0)) / 3.14159265 * 24.0);
+          float band = bands(acos(clamp(dot(r, upward), -1.0, 1.0)) / 3.14159265 * 24.0);
           vec3 own = coloured ? albedo : mix(vec3(0.95), albedo, 0.25);
           colour = own * mix(0.03, 1.0, band) * mix(light, vec3(1.0), 0.55);
         } else if (finish == 2) {
           vec3 r = normalize((vec4(reflect(-eye, n), 0.0) * viewMatrix).xyz);
-          float around = atan(r.y, r.z) / 3.14159265 * 10.0;
+          // Lamps along x, side by side.
+          float around = atan(dot(r, upward), dot(r, cross(vec3(1.0, 0.0, 0.0), upward))) / 3.14159265 * 10.0;
           float d = abs(fract(around) - 0.5);
           // The derivative jumps where the angle starts anew; the smaller one is right there.
           float w = min(fwidth(around), fwidth(fract(around + 0.5))) + 1e-4;

@@ -5,7 +5,7 @@ import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 import type { Colouring, Design, DragAnswer, Geometry, GivenMesh, Values } from "../kernel/api";
-import { NONE, type Indices } from "../state/indices";
+import { maskOf, NONE, type Indices } from "../state/indices";
 import type { Settings } from "../state/settings";
 import { FINISH, lineMaterial, overlayMaterial, pointMaterial, RAMP_TEXTURES, surfaceMaterial } from "./materials";
 import { facesOfEdges, patchLines, trianglesOfFaces, type PatchLines } from "./patches";
@@ -142,6 +142,13 @@ function release(geometry: THREE.BufferGeometry): void {
   geometry.dispose();
 }
 
+function appendEdge(places: number[], positions: Float32Array, pairs: Uint32Array, edge: number): void {
+  for (let k = 2 * edge; k < 2 * edge + 2; k += 1) {
+    const v = 3 * pairs[k]!;
+    places.push(positions[v]!, positions[v + 1]!, positions[v + 2]!);
+  }
+}
+
 type ObjectName =
   | "surface"
   | "given"
@@ -157,7 +164,8 @@ type ObjectName =
   | "boundary"
   | "selectedPoints"
   | "creases"
-  | "selectedEdges";
+  | "selectedEdges"
+  | "outline";
 
 export class MeshView {
   readonly #viewport: Viewport;
@@ -190,7 +198,8 @@ export class MeshView {
     boundary: pointMaterial(8, 5e-4),
     selectedPoints: pointMaterial(12, 8e-4),
     creases: new LineMaterial({ linewidth: 3.5, polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -4 }),
-    selectedEdges: new LineMaterial({ linewidth: 4, depthTest: false, transparent: true, opacity: 0.9 }),
+    selectedEdges: new LineMaterial({ linewidth: 4, polygonOffset: true, polygonOffsetFactor: -3, polygonOffsetUnits: -6 }),
+    outline: new LineMaterial({ linewidth: 2.5, polygonOffset: true, polygonOffsetFactor: -3, polygonOffsetUnits: -6 }),
   };
 
   readonly #objects: Record<ObjectName, THREE.Mesh | THREE.LineSegments | THREE.Points | LineSegments2>;
@@ -215,6 +224,7 @@ export class MeshView {
       control: new THREE.LineSegments(none(), m.control),
       creases: new LineSegments2(new LineSegmentsGeometry(), m.creases),
       selectedEdges: new LineSegments2(new LineSegmentsGeometry(), m.selectedEdges),
+      outline: new LineSegments2(new LineSegmentsGeometry(), m.outline),
       points: new THREE.Points(none(), m.points),
       boundary: new THREE.Points(none(), m.boundary),
       selectedPoints: new THREE.Points(none(), m.selectedPoints),
@@ -273,6 +283,7 @@ export class MeshView {
     for (const points of [m.points, m.boundary, m.selectedPoints]) paint(points, "ring", palette.ring);
     m.creases.color.set(palette.crease);
     m.selectedEdges.color.set(palette.selected);
+    m.outline.color.set(palette.selected);
     this.#viewport.invalidate();
   }
 
@@ -327,6 +338,7 @@ export class MeshView {
       }
     }
     this.#drawThick();
+    this.#drawOutline();
     this.#viewport.invalidate();
   }
 
@@ -342,6 +354,8 @@ export class MeshView {
 
   setValues(values: Values | null, colouring: Colouring | null): void {
     const { uniforms } = this.#materials.surface;
+    // Colours that mean something are not painted over.
+    this.#materials.selection.uniforms["opacity"]!.value = colouring ? 0.1 : 0.62;
     const fits = values && this.#surface && values.values.length * 3 === this.#surface.positions.length;
     uniforms["coloured"]!.value = Boolean(fits && colouring);
     if (fits && colouring) {
@@ -356,6 +370,7 @@ export class MeshView {
   setFaces(faces: Indices): void {
     this.#selected = faces;
     this.#cover("selection", faces);
+    this.#drawOutline();
   }
 
   setHover(face: number | null): void {
@@ -392,6 +407,7 @@ export class MeshView {
     const before = this.#shown;
     this.#shown = shown;
     if (before?.creases !== shown.creases || before.surface !== shown.surface) this.#drawThick();
+    if (before?.surface !== shown.surface) this.setFaces(this.#selected);
     this.#materials.surface.uniforms["finish"]!.value = FINISH[shading];
     if (!colouring) this.#materials.surface.uniforms["coloured"]!.value = false;
     this.#update();
@@ -432,7 +448,7 @@ export class MeshView {
   /** Many points are small, or they would hide the surface. */
   #pointSize(): number {
     const count = (this.#givenSkin?.positions.length ?? 0) / 3;
-    return count > 3000 ? 3.5 : count > 800 ? 5 : 7;
+    return count > 3000 ? 3 : count > 1200 ? 4 : count > 400 ? 5.5 : 7;
   }
 
   #line(name: "surfaceEdges" | "patches", index: () => Uint32Array): void {
@@ -467,6 +483,26 @@ export class MeshView {
     }
   }
 
+  /** The rim of the selected faces. */
+  #drawOutline(): void {
+    const { skin } = this;
+    const object = this.#objects.outline as LineSegments2;
+    object.visible = this.#selected.length > 0 && skin !== null;
+    if (!object.visible || !skin) return;
+    const isSelected = maskOf(this.#selected, this.#faceCount);
+    const { pairs, faces } = skin.lines;
+    const places: number[] = [];
+    for (let i = 0; 2 * i < faces.length; i += 1) {
+      // What is outside has no mask, and is not selected.
+      if (Boolean(isSelected[faces[2 * i]!]) === Boolean(isSelected[faces[2 * i + 1]!])) continue;
+      appendEdge(places, skin.positions, pairs, i);
+    }
+    object.visible = places.length > 0;
+    if (!object.visible) return;
+    release(object.geometry);
+    object.geometry = new LineSegmentsGeometry().setPositions(places);
+  }
+
   #straight(edges: Indices, ends: Uint32Array): Float32Array {
     const { positions } = this.#givenSkin!;
     const places = new Float32Array(6 * edges.length);
@@ -488,9 +524,7 @@ export class MeshView {
     const places: number[] = [];
     for (let i = 0; 2 * i < lines.faces.length; i += 1) {
       if (!wanted.has(key(lines.faces[2 * i]!, lines.faces[2 * i + 1]!))) continue;
-      for (const v of lines.pairs.subarray(2 * i, 2 * i + 2)) {
-        places.push(positions[3 * v]!, positions[3 * v + 1]!, positions[3 * v + 2]!);
-      }
+      appendEdge(places, positions, lines.pairs, i);
     }
     return Float32Array.from(places);
   }

@@ -5,9 +5,12 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Triple } from "../kernel/api";
 import { record } from "../perf";
 import type { Camera } from "../state/project";
+import type { Up } from "../state/settings";
+import { UP } from "./materials";
 
 export type Preset = "front" | "back" | "left" | "right" | "top" | "bottom" | "iso";
 
+/** With y up; with z up, what was z is -y. */
 const TOWARDS: Record<Preset, Triple> = {
   front: [0, 0, 1],
   back: [0, 0, -1],
@@ -18,6 +21,12 @@ const TOWARDS: Record<Preset, Triple> = {
   bottom: [0, -1, 1e-4],
   iso: [-0.62, 0.42, 0.78],
 };
+
+/** Turns what is said with y up into what is meant with another axis up. */
+const FROM_Y = {
+  y: new THREE.Quaternion(),
+  z: new THREE.Quaternion().setFromAxisAngle(new THREE.Vector3(1, 0, 0), Math.PI / 2),
+} as const;
 
 export interface Insets {
   left: number;
@@ -35,7 +44,6 @@ export interface Projected {
 export class Viewport {
   readonly scene = new THREE.Scene();
   readonly camera = new THREE.PerspectiveCamera(32, 1, 0.01, 100);
-  readonly controls: OrbitControls;
   readonly canvas: HTMLCanvasElement;
   readonly renderer: THREE.WebGLRenderer;
   /** Told after the camera came to rest. */
@@ -45,6 +53,8 @@ export class Viewport {
   /** Told after each picture, for what lies over the canvas. */
   onDraw: () => void = () => {};
 
+  #controls: OrbitControls;
+  #up: Up = "y";
   #insets: Insets = { left: 0, right: 0, top: 0, bottom: 0 };
   #sphere = new THREE.Sphere(new THREE.Vector3(), 1);
   #request = 0;
@@ -63,19 +73,46 @@ export class Viewport {
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.setClearAlpha(0);
     this.camera.position.set(...TOWARDS.iso).multiplyScalar(5);
-    this.controls = new OrbitControls(this.camera, this.canvas);
-    this.controls.zoomToCursor = true;
-    this.controls.rotateSpeed = 0.9;
-    this.controls.addEventListener("change", () => {
-      this.invalidate();
-      this.onView();
-    });
-    this.controls.addEventListener("start", () => this.#stopFlight());
-    this.controls.addEventListener("end", () => this.onCamera());
+    this.#controls = this.#newControls();
     this.canvas.addEventListener("webglcontextrestored", () => this.invalidate());
     this.#observer = new ResizeObserver(() => this.#resize());
     this.#observer.observe(host);
     this.#resize();
+  }
+
+  get controls(): OrbitControls {
+    return this.#controls;
+  }
+
+  /** The axis that points up. */
+  set up(up: Up) {
+    if (up === this.#up) return;
+    const turn = FROM_Y[this.#up].clone().invert().premultiply(FROM_Y[up]);
+    const arm = this.camera.position.clone().sub(this.controls.target).applyQuaternion(turn);
+    const target = this.controls.target.clone();
+    this.#up = up;
+    this.camera.up.set(0, 1, 0).applyQuaternion(FROM_Y[up]);
+    this.camera.position.copy(arm).add(target);
+    // They take up the direction only when they are made.
+    this.#controls.dispose();
+    this.#controls = this.#newControls();
+    this.#controls.target.copy(target);
+    this.#setLimits();
+    this.#controls.update();
+    this.invalidate();
+  }
+
+  #newControls(): OrbitControls {
+    const controls = new OrbitControls(this.camera, this.canvas);
+    controls.zoomToCursor = true;
+    controls.rotateSpeed = 0.9;
+    controls.addEventListener("change", () => {
+      this.invalidate();
+      this.onView();
+    });
+    controls.addEventListener("start", () => this.#stopFlight());
+    controls.addEventListener("end", () => this.onCamera());
+    return controls;
   }
 
   dispose(): void {
@@ -106,9 +143,13 @@ export class Viewport {
   setBounds(box: THREE.Box3): void {
     box.getBoundingSphere(this.#sphere);
     if (!(this.#sphere.radius > 0)) this.#sphere.radius = 1;
+    this.#setLimits();
+    this.invalidate();
+  }
+
+  #setLimits(): void {
     this.controls.minDistance = this.#sphere.radius * 0.02;
     this.controls.maxDistance = this.#sphere.radius * 60;
-    this.invalidate();
   }
 
   get radius(): number {
@@ -118,7 +159,7 @@ export class Viewport {
   /** Shows everything, from where the camera looks or from a given side. */
   fit(from?: Preset | Triple, fly = true): void {
     const towards = from
-      ? new THREE.Vector3(...(typeof from === "string" ? TOWARDS[from] : from))
+      ? new THREE.Vector3(...(typeof from === "string" ? TOWARDS[from] : from)).applyQuaternion(FROM_Y[this.#up])
       : this.camera.position.clone().sub(this.controls.target);
     const { clientWidth: w, clientHeight: h } = this.canvas;
     const { left, right, top, bottom } = this.#insets;
@@ -132,10 +173,10 @@ export class Viewport {
   /** Turns the camera around what it looks at, by degrees to the right and up. */
   turn(right: number, up: number): void {
     const arm = this.camera.position.clone().sub(this.controls.target);
-    const s = new THREE.Spherical().setFromVector3(arm);
+    const s = this.#sphericalOf(arm);
     s.theta -= THREE.MathUtils.degToRad(right);
     s.phi = THREE.MathUtils.clamp(s.phi - THREE.MathUtils.degToRad(up), 1e-4, Math.PI - 1e-4);
-    this.#go(arm.setFromSpherical(s).add(this.controls.target), this.controls.target.clone(), false);
+    this.#go(this.#armOf(s).add(this.controls.target), this.controls.target.clone(), false);
   }
 
   zoom(factor: number): void {
@@ -167,7 +208,6 @@ export class Viewport {
     this.#stopFlight();
     this.camera.position.fromArray(view.position);
     this.controls.target.fromArray(view.target);
-    this.camera.up.fromArray(view.up);
     this.camera.zoom = view.zoom;
     this.camera.updateProjectionMatrix();
     this.controls.update();
@@ -226,8 +266,8 @@ export class Viewport {
     const start = performance.now();
     const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
     const duration = fly && !calm ? 260 : 0;
-    const a = new THREE.Spherical().setFromVector3(from.arm);
-    const b = new THREE.Spherical().setFromVector3(position.clone().sub(target));
+    const a = this.#sphericalOf(from.arm);
+    const b = this.#sphericalOf(position.clone().sub(target));
     // The shorter way around.
     a.theta += Math.round((b.theta - a.theta) / (2 * Math.PI)) * 2 * Math.PI;
     const step = (now: number) => {
@@ -236,7 +276,7 @@ export class Viewport {
       const mix = (x: number, y: number) => x + s * (y - x);
       const at = new THREE.Spherical(mix(a.radius, b.radius), mix(a.phi, b.phi), mix(a.theta, b.theta));
       this.controls.target.lerpVectors(from.target, target, s);
-      this.camera.position.setFromSpherical(at).add(this.controls.target);
+      this.camera.position.copy(this.#armOf(at)).add(this.controls.target);
       this.controls.update();
       this.invalidate();
       this.onView();
@@ -244,6 +284,16 @@ export class Viewport {
       else this.onCamera();
     };
     step(start);
+  }
+
+  /** Angles around the axis that points up. */
+  #sphericalOf(arm: THREE.Vector3): THREE.Spherical {
+    const upright = arm.clone().applyQuaternion(FROM_Y[this.#up].clone().invert());
+    return new THREE.Spherical().setFromVector3(upright);
+  }
+
+  #armOf(s: THREE.Spherical): THREE.Vector3 {
+    return new THREE.Vector3().setFromSpherical(s).applyQuaternion(FROM_Y[this.#up]);
   }
 
   #stopFlight(): void {
@@ -271,6 +321,7 @@ export class Viewport {
     this.camera.near = Math.max(distance - 4 * this.#sphere.radius, distance * 0.005, this.#sphere.radius * 0.002);
     this.camera.far = distance + 4 * this.#sphere.radius;
     this.camera.updateProjectionMatrix();
+    UP.value.copy(this.camera.up);
     const start = performance.now();
     this.renderer.render(this.scene, this.camera);
     // Pictures that follow each other closely tell the time of one; after a rest only the call counts.

@@ -9,6 +9,8 @@ export interface Source {
   bytes: Uint8Array;
   /** Where to look from at first, if that is known. */
   look?: Triple;
+  /** Which axis points up in it, if that is known. */
+  up?: "y" | "z";
 }
 
 export interface MeshDocument {
@@ -63,11 +65,11 @@ export function meshDocument(
   return { source, repairs, design, compare: null, fineness, faces: NONE, vertices: NONE, edges: NONE };
 }
 
-/** Steps that keep the surface below about 200 000 triangles, so that everything stays quick. */
+/** Steps that keep the surface below about 200 000 triangles, so that everything stays quick; 0 for fine meshes. */
 export function suitableLevels(faceCount: number, mostCorners: number): number {
   const triangles = Math.max(1, faceCount) * (mostCorners > 3 ? 2 : 1);
   const levels = Math.floor(Math.log(200_000 / triangles) / Math.log(4));
-  return Math.min(4, Math.max(1, levels));
+  return Math.min(4, Math.max(0, levels));
 }
 
 /** `moves` with `news` in place of what was there for the same vertices. */

@@ -4,6 +4,8 @@ import { signal } from "@preact/signals";
 import type { Colouring } from "../kernel/api";
 
 export type Shading = "shaded" | "zebra" | "reflection";
+/** The axis that points up on the screen. */
+export type Up = "y" | "z";
 export type Theme = "auto" | "light" | "dark" | "contrast";
 
 export interface Shown {
@@ -26,6 +28,7 @@ export interface Settings {
   shading: Shading;
   colouring: Colouring | null;
   shown: Shown;
+  up: Up;
   theme: Theme;
 }
 
@@ -43,6 +46,7 @@ export const DEFAULTS: Settings = {
     boundary: true,
     creases: true,
   },
+  up: "y",
   theme: "auto",
 };
 

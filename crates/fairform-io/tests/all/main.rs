@@ -3,6 +3,7 @@
 mod any_bytes;
 mod common;
 mod corpus;
+mod project;
 mod round_trip;
 mod stream;
 mod streamline;

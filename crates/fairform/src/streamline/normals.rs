@@ -47,7 +47,7 @@ impl Surface {
                 let (before, after) = (tangents[i.saturating_sub(1)], tangents[i.min(last)]);
                 (before + after).normalized()
             };
-            (0..tangents.len() + 1).map(between).collect()
+            (0..=tangents.len()).map(between).collect()
         };
         Grid::collected(self.tangents().rows().map(of_row))
     }

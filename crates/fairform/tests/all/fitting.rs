@@ -332,3 +332,39 @@ fn the_order_in_memory_does_not_matter() {
     let (b, _) = plain.fit(&positions, &options, &mut go_on).expect("a fit");
     assert!(a == b, "the same bits");
 }
+
+/// The iterates of a fit are told by the number of updates, through the stages one after the other.
+#[test]
+fn iterates_are_counted_through_the_stages() {
+    let mesh = shapes::sheet(5, 6, |x, y| (3.0 * x).sin() * y);
+    let (topology, target) = (mesh.topology(), mesh.positions());
+    let interpolator = Interpolator::new(topology, &Rules::LOOP).unwrap();
+    for method in Method::ALL.into_iter().filter(|m| m.name() != "direct") {
+        let options = Options { method, tolerance: Some(1e-6), ..Options::default() };
+        assert_eq!(interpolator.after(target, &options, 0).unwrap(), target, "{method}");
+        let after = |k| interpolator.after(target, &options, k).unwrap();
+        let error = |control: &[Vec3], boundary: bool| {
+            let limit = limit::limit_points(topology, control, &Rules::LOOP).unwrap();
+            let of = topology.vertices().filter(|&v| topology.is_boundary(v) == boundary);
+            of.map(|v| (limit[v.index()] - target[v.index()]).length()).fold(0.0, f64::max)
+        };
+        if method == Method::OnePass {
+            // It makes all at once; its iterates are those of another method.
+            let auto = Options { method: Method::Auto, ..options };
+            assert_eq!(after(3), interpolator.after(target, &auto, 3).unwrap());
+            continue;
+        }
+        let mut go_on = |_, _| ControlFlow::Continue(());
+        let (control, report) = interpolator.fit(target, &options, &mut go_on).unwrap();
+        let [boundary, interior] = &report.stages[..] else { panic!("two stages") };
+        let first = boundary.solve.last().updates;
+        assert_eq!(after(first + interior.solve.last().updates), control, "{method}");
+        assert_eq!(after(u32::MAX), control, "{method}");
+        for (stage, before, is_boundary) in [(boundary, 0, true), (interior, first, false)] {
+            for step in &stage.solve.history {
+                let error = error(&after(before + step.updates), is_boundary) / report.unit;
+                assert!((error - step.max).abs() < 1e-12, "{method} {step:?} {error:e}");
+            }
+        }
+    }
+}

@@ -369,3 +369,21 @@ fn a_qi_curve_of_two_tangents_is_a_circular_arc() {
         assert!(((p - centre).length() - radius).abs() < 1e-13, "{p:?}");
     }
 }
+
+#[test]
+fn a_component_is_set_in_proportion() {
+    let t = Vec3::new(0.36, 0.48, 0.8);
+    for axis in 0..3 {
+        for value in [-1.0, -0.3, 0.0, 0.5, 1.0] {
+            let set = sphere::with_component(t, axis, value);
+            assert!((set.length() - 1.0).abs() < 1e-15 && (set[axis] - value).abs() < 1e-15);
+            let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+            assert!((set[i] * t[j] - set[j] * t[i]).abs() < 1e-15, "{set:?}");
+        }
+        // What it is already changes nothing.
+        assert_near(&[sphere::with_component(t, axis, t[axis])], &[t], 1e-15, "the same");
+    }
+    let along = sphere::with_component(Vec3::new(0.0, -1.0, 0.0), 1, 0.6);
+    assert_near(&[along], &[Vec3::new(0.0, 0.6, 0.8)], 1e-15, "the next coordinate");
+    assert_eq!(sphere::with_component(t, 0, 3.0), Vec3::new(1.0, 0.0, 0.0));
+}

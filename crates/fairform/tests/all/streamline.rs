@@ -564,3 +564,86 @@ fn a_depth_without_end_is_an_error() {
     };
     assert!(matches!(Surface::new(model), Err(Error::BadNumber { field: "depth", .. })));
 }
+
+/// With Kobbelt's scheme a foot is where the curve of its row is at its parameter; at the ends it is the
+/// first and last point.
+#[test]
+fn control_tangents_stand_on_the_surface() {
+    // A circle of radius 2 in each row, half of it.
+    let turn = std::f64::consts::PI;
+    for integration in [Integration::Midpoint, Integration::Arcs] {
+        let model = Model { depth: 5, integration, ..turning(4, 9, turn, 2.0 * turn) };
+        let surface = Surface::new(model.clone()).unwrap();
+        let (feet, points) = (surface.feet(), surface.points());
+        assert_eq!((feet.row_count(), feet.column_count()), (4, 9));
+        let last = points.column_count() - 1;
+        for row in 0..4 {
+            assert_eq!(feet[(row, 0)], points[(row << 5, 0)]);
+            assert!((feet[(row, 8)] - points[(row << 5, last)]).length() < 1e-12);
+            // By the tangents, a foot and its neighbour are a chord of the circle apart.
+            for pair in feet.row(row).windows(2) {
+                let chord = 4.0 * (turn / 16.0).sin();
+                assert!(((pair[1] - pair[0]).length() - chord).abs() < 1e-3, "{pair:?}");
+            }
+        }
+        // Stretched streamlines are stood upon in the same proportion.
+        let stretched =
+            LengthFunction::Polyline { lengths: vec![4.0 * turn; 2], t: vec![0.0, 3.0] };
+        let long = Surface::new(Model { length: Some(stretched), ..model }).unwrap();
+        let begin = feet[(0, 0)];
+        for i in 0..9 {
+            let (near, far) = (feet[(0, i)] - begin, long.feet()[(0, i)] - long.feet()[(0, 0)]);
+            assert!((2.0 * near - far).length() < 1e-12);
+        }
+    }
+}
+
+/// Between the points of a circle the curvature is one over the radius, everywhere.
+#[test]
+fn curvature_at_the_points_of_circles() {
+    for integration in [Integration::Midpoint, Integration::Arcs] {
+        let model = Model { depth: 3, integration, ..turning(3, 7, 2.0, 5.0) };
+        let surface = Surface::new(model).unwrap();
+        let vectors = streamline::curvature(&surface).at_points(&surface);
+        assert_eq!(vectors.values().len(), surface.points().values().len());
+        for k in vectors.values() {
+            assert!((k.length() - 0.4).abs() < 1e-3, "{k:?}");
+        }
+        let tangents = surface.point_tangents();
+        for (k, t) in vectors.values().iter().zip(tangents.values()) {
+            assert!((t.length() - 1.0).abs() < 1e-14 && k.dot(*t).abs() < 0.05);
+        }
+    }
+}
+
+/// What is inserted lies halfway on the great circles between its neighbours, and is taken away again.
+#[test]
+fn rows_and_columns_come_and_go() {
+    let given = random_model(7, Scheme::Kobbelt, Ends::Natural, Order::St, 2);
+    let mut model = given.clone();
+    model.insert_row(1).unwrap();
+    model.insert_column(2).unwrap();
+    model.check().unwrap();
+    let halfway = sphere::midpoint(given.tangents[(0, 0)], given.tangents[(1, 0)]);
+    assert_eq!(model.tangents[(1, 0)], halfway);
+    assert_eq!(model.t[1], f64::midpoint(given.t[0], given.t[1]));
+    let halfway = sphere::midpoint(given.tangents[(0, 1)], given.tangents[(0, 2)]);
+    assert_eq!(model.tangents[(0, 2)], halfway);
+    assert_eq!(model.s[(0, 2)], f64::midpoint(given.s[(0, 1)], given.s[(0, 2)]));
+    model.delete_column(2).unwrap();
+    model.delete_row(1).unwrap();
+    assert_eq!(model, Model { details: Vec::new(), ..given.clone() });
+
+    let [rows, columns] = [given.tangents.row_count(), given.tangents.column_count()];
+    for index in [0, rows, rows + 1] {
+        assert!(matches!(model.insert_row(index), Err(Error::NoSuchPlace { .. })));
+    }
+    for index in [0, columns] {
+        assert!(matches!(model.insert_column(index), Err(Error::NoSuchPlace { .. })));
+    }
+    assert!(model.delete_row(rows).is_err() && model.delete_column(columns).is_err());
+    (1..rows).for_each(|_| model.delete_row(0).unwrap());
+    (1..columns).for_each(|_| model.delete_column(0).unwrap());
+    assert_eq!(model.delete_row(0), Err(Error::Empty));
+    assert_eq!(model.delete_column(0), Err(Error::Empty));
+}

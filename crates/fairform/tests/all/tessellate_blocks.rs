@@ -175,3 +175,29 @@ fn what_is_special_does_not_take_memory_without_bound() {
     assert!(base_level(plain.topology(), &Rules::LOOP, 5, 0) == Ok(1));
     assert_eq!(per_face(&large.unwrap()), 256);
 }
+
+/// The faces of each face of the base are as many as are written for it, and come one behind the other.
+#[test]
+fn faces_know_their_face_of_the_base() {
+    for (mesh, scheme) in [
+        (shapes::torus(5, 7), Scheme::Loop),
+        (shapes::torus(5, 7), Scheme::Butterfly),
+        (shapes::cube(), Scheme::CatmullClark),
+        (shapes::torus(5, 7), Scheme::DooSabin),
+        (shapes::sheet(4, 5, |x, y| x * y), Scheme::DooSabin),
+    ] {
+        for levels in 0..4 {
+            let rules = Rules::from(scheme);
+            let fine = Tessellation::new(mesh.topology(), &rules, levels, Points::Limit).unwrap();
+            let (of, faces) = (fine.base_of_faces(), fine.faces());
+            assert_eq!(of.len(), faces.len(), "{scheme} {levels}");
+            for f in fine.base().faces() {
+                let own: Vec<&[u32]> =
+                    faces.iter().zip(&of).filter(|face| *face.1 == f.0).map(|f| f.0).collect();
+                let mut expected = vec![0; own.iter().map(|face| face.len()).sum()];
+                fine.fill_faces(f.index()..f.index() + 1, &mut expected);
+                assert_eq!(own.concat(), expected, "{scheme} {levels} {f}");
+            }
+        }
+    }
+}

@@ -6,7 +6,7 @@ import { problemOf } from "../../kernel/problem";
 import { ActionButton, Button, Choice, NumberField, Section, Segmented, Slider, Switch } from "../../panels/controls";
 import { change, settings, show } from "../../state/settings";
 import { COLOURINGS, FORMATS, SHOWN } from "../commands";
-import { TENSIONS, type Session } from "../session";
+import { counted, TENSIONS, type Session } from "../session";
 import { Plot } from "./Plot";
 import { short } from "./Legend";
 
@@ -298,7 +298,7 @@ function SurfaceSection({ session, fineness }: { session: Session; fineness: Fin
 }
 
 function ShowSection() {
-  const { shown, shading, colouring } = settings.value;
+  const { shown, shading, colouring, up } = settings.value;
   return (
     <Section title="Show" id="show" open>
       <Segmented
@@ -329,6 +329,7 @@ function ShowSection() {
             onChange={(on) => show({ [name]: on })}
           />
         ))}
+        <Switch label="z is up" testid="z-up" on={up === "z"} onChange={(on) => change({ up: on ? "z" : "y" })} />
       </div>
     </Section>
   );
@@ -341,7 +342,7 @@ function SelectionSection({ session }: { session: Session }) {
   const [wrong, setWrong] = useState("");
   const parts = (["faces", "vertices", "edges"] as const)
     .filter((kind) => mesh[kind].length > 0)
-    .map((kind) => `${mesh[kind].length.toLocaleString("en")} ${kind}`);
+    .map((kind) => counted(mesh[kind].length, kind));
   const submit = (e: Event) => {
     e.preventDefault();
     setWrong("");
@@ -428,7 +429,7 @@ function TensionSection({ session, design }: { session: Session; design: Design 
   return (
     <Section title="Tension" id="tension">
       <Slider
-        label={selected > 0 ? `Tension of ${selected} ${selected === 1 ? "face" : "faces"}` : "Tension of all faces"}
+        label={selected > 0 ? `Tension of ${counted(selected, "faces")}` : "Tension of all faces"}
         testid="tension"
         value={session.tension.value}
         min={range.min}
@@ -520,7 +521,7 @@ function EdgeSection({ session, design }: { session: Session; design: Design }) 
       {mesh.edges.length > 0 ? (
         <>
           <Slider
-            label={`Sharpness of ${mesh.edges.length} ${mesh.edges.length === 1 ? "edge" : "edges"}`}
+            label={`Sharpness of ${counted(mesh.edges.length, "edges")}`}
             testid="sharpness"
             value={sharpness < 0 ? 10 : sharpness}
             min={0}
