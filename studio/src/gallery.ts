@@ -25,7 +25,17 @@ export const SAMPLES: readonly Sample[] = [
   { file: "knot.obj", title: "Knot", says: "1440 regular quadrilaterals" },
 ];
 
+/** Models of streamlines, our own. */
+export const MODELS: readonly Sample[] = [
+  { file: "streamline/car.streamline.json", title: "Car", says: "6 × 9 tangents, Kobbelt", look: [-0.7, 0.35, 0.75] },
+  { file: "streamline/saddle.streamline.json", title: "Saddle", says: "7 × 7, Catmull–Clark, from its middle" },
+  { file: "streamline/duct.streamline.json", title: "Duct", says: "17 × 10, closed around" },
+  { file: "streamline/hull.streamline.json", title: "Hull", says: "7 × 9; begins at the stem" },
+  { file: "streamline/chair.streamline.json", title: "Chair", says: "7 × 12, Doo–Sabin, seat and back in one" },
+  { file: "streamline/bottle.streamline.json", title: "Bottle", says: "Two halves, joined smoothly; lengths as L(t)" },
+];
+
 export async function openSample({ file, look, up = "y" }: Sample): Promise<Source> {
-  const source = await fetchFile(`./samples/${file}`, file);
+  const source = await fetchFile(`./samples/${file}`, file.split("/").at(-1)!);
   return look ? { ...source, look, up } : { ...source, up };
 }

@@ -19,9 +19,10 @@ import "./style/studio.css";
 async function begin(): Promise<void> {
   const studio = new Studio(createKernel);
   const { workspace, session } = createInterpolation(studio);
-  studio.start([workspace, createStreamWorkspace(studio)]);
+  const { workspace: streamlines, stream } = createStreamWorkspace(studio);
+  studio.start([workspace, streamlines]);
   render(<App studio={studio} />, document.getElementById("app")!);
-  offerTestHooks(studio, session);
+  offerTestHooks(studio, session, stream);
 
   addEventListener("keydown", (event) => {
     // A dialog keeps the keys to itself, apart from the key that opened it.

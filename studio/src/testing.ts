@@ -6,6 +6,8 @@ import { list, run } from "./actions";
 import { status } from "./announce";
 import { MEASURES, summary } from "./perf";
 import { settings } from "./state/settings";
+import { streamHooks, type StreamHooks } from "./stream/testing";
+import type { StreamSession } from "./stream/session";
 import type { Studio } from "./studio";
 import { current } from "./workspace";
 
@@ -23,21 +25,27 @@ export interface TestHooks {
   run: (name: string) => boolean;
   /** Saves at once what waits to be saved. */
   flush: () => Promise<void>;
+  /** The streamline workspace. */
+  stream: StreamHooks;
 }
 
 declare global {
   var fairform: TestHooks | undefined;
 }
 
-export function offerTestHooks(studio: Studio, session: Session): void {
+export function offerTestHooks(studio: Studio, session: Session, stream: StreamSession): void {
   globalThis.fairform = {
     state: () => snapshot(studio, session),
-    idle: () => session.idle(),
+    idle: async () => {
+      await session.idle();
+      await stream.idle();
+    },
     screenOf: (vertex) => session.scene.peek()?.screenOf(vertex) ?? null,
     screenOfFace: (face) => session.scene.peek()?.picker.screenOfFace(face) ?? null,
     actions: () => list().map((action) => action.name),
     run,
     flush: () => studio.autosave.flush(),
+    stream: streamHooks(stream),
   };
 }
 

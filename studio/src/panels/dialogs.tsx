@@ -4,7 +4,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { ComponentChildren } from "preact";
 import * as actions from "../actions";
 import { dismiss, message } from "../announce";
-import { openSample, SAMPLES, type Sample } from "../gallery";
+import { MODELS, openSample, SAMPLES, type Sample } from "../gallery";
 import { keyLabel } from "../keys";
 import { measured, MEASURES, panelOpen, summary } from "../perf";
 import type { Studio } from "../studio";
@@ -53,6 +53,9 @@ const GROUPS: Record<string, string> = {
   view: "View",
   show: "Show",
   colour: "Colours",
+  tangent: "Tangents",
+  model: "Model",
+  sphere: "Gaussian sphere",
   select: "Selecting",
   tool: "Tools",
   fit: "Fitting",
@@ -176,25 +179,31 @@ export function Welcome({ studio }: { studio: Studio }) {
   );
 }
 
+const GALLERY = [
+  ["Meshes", SAMPLES],
+  ["Models of streamlines", MODELS],
+] as const;
+
 export function Gallery({ studio }: { studio: Studio }) {
   const close = () => void (studio.gallery.value = false);
   return (
     <Dialog title="Samples" testid="gallery" onClose={close}>
-      <ul class="samples">
-        {SAMPLES.map((sample) => (
-          <li key={sample.file}>
-            <button
-              type="button"
-              data-testid={`sample-${sample.file}`}
-              onClick={() => open(studio, sample)}
-            >
-              <img src={`./samples/${sample.file}.png`} alt="" loading="lazy" width="160" height="110" />
-              <strong>{sample.title}</strong>
-              <span>{sample.says}</span>
-            </button>
-          </li>
-        ))}
-      </ul>
+      {GALLERY.map(([heading, samples]) => (
+        <section key={heading}>
+          <h3>{heading}</h3>
+          <ul class="samples">
+            {samples.map((sample) => (
+              <li key={sample.file}>
+                <button type="button" data-testid={`sample-${sample.file}`} onClick={() => open(studio, sample)}>
+                  <img src={`./samples/${sample.file}.png`} alt="" loading="lazy" width="160" height="110" />
+                  <strong>{sample.title}</strong>
+                  <span>{sample.says}</span>
+                </button>
+              </li>
+            ))}
+          </ul>
+        </section>
+      ))}
       <p class="hint">
         Or drop a file anywhere: OBJ, OFF, PLY, STL, glTF, GLB, also with .gz; projects (*.fairform.json) and models
         of streamlines (*.streamline.json).

@@ -2,6 +2,7 @@
 
 import { signal } from "@preact/signals";
 import type { Colouring } from "../kernel/api";
+import { STREAM_SHOWN, type StreamShown } from "../stream/shown";
 
 export type Shading = "shaded" | "zebra" | "reflection";
 /** The axis that points up on the screen. */
@@ -28,6 +29,8 @@ export interface Settings {
   shading: Shading;
   colouring: Colouring | null;
   shown: Shown;
+  /** What the streamline workspace shows. */
+  stream: StreamShown;
   up: Up;
   theme: Theme;
 }
@@ -46,6 +49,7 @@ export const DEFAULTS: Settings = {
     boundary: true,
     creases: true,
   },
+  stream: STREAM_SHOWN,
   up: "y",
   theme: "auto",
 };
@@ -60,8 +64,13 @@ export function show(part: Partial<Shown>): void {
   change({ shown: { ...settings.value.shown, ...part } });
 }
 
+export function showStream(part: Partial<StreamShown>): void {
+  change({ stream: { ...settings.value.stream, ...part } });
+}
+
 /** Settings from a file, of which anything may be missing or new. */
 export function adopt(part: Partial<Settings>): void {
   const shown = { ...DEFAULTS.shown, ...part.shown };
-  settings.value = { ...DEFAULTS, ...part, shown, theme: settings.value.theme };
+  const stream = { ...DEFAULTS.stream, ...part.stream };
+  settings.value = { ...DEFAULTS, ...part, shown, stream, theme: settings.value.theme };
 }
