@@ -152,6 +152,10 @@ export class MeshScene {
     return this.#main.viewport;
   }
 
+  get view(): MeshView {
+    return this.#main.view;
+  }
+
   get picker(): Picker {
     return this.#picker;
   }
