@@ -2,10 +2,11 @@
 # usage: wasm-toolchain.sh DEST
 # A compiler with a standard library for wasm32-unknown-unknown, where rustup cannot fetch one: Debian's
 # Rust for web pages and its source of the standard library, built for WebAssembly. Needs apt and rustup's
-# own toolchain, whose linker and cargo are used. DEST/usr/bin/rustc is what to use then.
+# own toolchain, whose linker and cargo are used. DEST/rustc is what to use then.
 set -eu
 dest=$1
 host=$(rustc --print sysroot)
+rm -rf "$dest.new"
 mkdir -p "$dest.new/debs"
 dest_new=$(cd "$dest.new" && pwd)
 cd "$dest_new/debs"
@@ -27,11 +28,18 @@ done
 bin=lib/rustlib/$triple/bin
 mkdir -p "usr/$bin"
 ln -sf "$host/$bin/rust-lld" "usr/$bin/"
+# Debian's compiler looks for its libraries where Debian has them.
+cat > rustc <<'END'
+#!/bin/sh
+here=$(dirname "$0")
+LD_LIBRARY_PATH=$here/usr/lib exec "$here/usr/bin/rustc" "$@"
+END
+chmod +x rustc
 # The standard library, by building a crate that holds nothing.
 mkdir -p mkstd/src
 echo '#![no_std]' > mkstd/src/lib.rs
 printf '[package]\nname="mkstd"\nversion="0.0.0"\nedition="2021"\n[workspace]\n' > mkstd/Cargo.toml
-(cd mkstd && RUSTC="$dest_new/usr/bin/rustc" RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Cembed-bitcode=yes \
+(cd mkstd && RUSTC="$dest_new/rustc" RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Cembed-bitcode=yes \
   CARGO_TARGET_DIR=target "$host/bin/cargo" build -q --release -Zbuild-std=std,panic_abort \
   --target wasm32-unknown-unknown)
 lib=usr/lib/rustlib/wasm32-unknown-unknown/lib

@@ -9,6 +9,8 @@ export interface Action {
   label: string;
   keys?: readonly string[];
   run: () => void;
+  /** What it would do now, for its tool tip. */
+  detail?: () => string | null;
   /** Whether it makes sense now; it always does if this is left out. */
   enabled?: () => boolean;
   /** For switches: whether it is on. */

@@ -41,5 +41,6 @@ export function giveFile(name: string, content: Uint8Array | Blob): void {
 /** `dir/bunny.obj` → `bunny`. */
 export function stem(name: string): string {
   const base = name.split(/[/\\]/).at(-1)!;
-  return base.replace(/\.(fairform|streamline)\.json$/i, "").replace(/(\.[A-Za-z]+)(\.gz)?$/, "") || base;
+  const ending = /\.(fairform|streamline)\.json$/i.test(base) ? /\.\w+\.json$/ : /\.[A-Za-z]+(\.gz)?$/;
+  return base.replace(ending, "") || base;
 }

@@ -27,12 +27,12 @@ export const SAMPLES: readonly Sample[] = [
 
 /** Models of streamlines, our own. */
 export const MODELS: readonly Sample[] = [
-  { file: "streamline/car.streamline.json", title: "Car", says: "6 × 9 tangents, Kobbelt", look: [-0.7, 0.35, 0.75] },
+  { file: "streamline/car.streamline.json", title: "Car", says: "6 × 9 tangents, Kobbelt", look: [-0.6, 0.4, 0.7] },
   { file: "streamline/saddle.streamline.json", title: "Saddle", says: "7 × 7, Catmull–Clark, from its middle" },
   { file: "streamline/duct.streamline.json", title: "Duct", says: "17 × 10, closed around" },
-  { file: "streamline/hull.streamline.json", title: "Hull", says: "7 × 9; begins at the stem" },
+  { file: "streamline/hull.streamline.json", title: "Hull", says: "7 × 9; begins at the stem", look: [-0.8, 0.2, 0.55] },
   { file: "streamline/chair.streamline.json", title: "Chair", says: "7 × 12, Doo–Sabin, seat and back in one" },
-  { file: "streamline/bottle.streamline.json", title: "Bottle", says: "Two halves, joined smoothly; lengths as L(t)" },
+  { file: "streamline/bottle.streamline.json", title: "Bottle", says: "Two halves, joined smoothly; lengths as L(t)", look: [-0.9, 0.35, 0.33] },
 ];
 
 export async function openSample({ file, look, up = "y" }: Sample): Promise<Source> {

@@ -12,6 +12,7 @@ import { EMPTY, type Document, type Source } from "./state/document";
 import { History } from "./state/history";
 import { fromProject, isProjectName, PROJECT_SUFFIX, toProject } from "./state/project";
 import { adopt, change, settings, type Theme } from "./state/settings";
+import { nameOf } from "./stream/model";
 import { applyTheme, watchSystem } from "./theme";
 import { current, type Workspace, type WorkspaceId } from "./workspace";
 
@@ -42,6 +43,13 @@ export class Studio {
     return this.history.present.value;
   }
 
+  /** What the open workspace shows, for the bar at the top and names of files. */
+  get title(): string {
+    const { mesh, model } = this.document;
+    if (current.value === "streamline") return model === null ? "" : nameOf(model);
+    return mesh?.source.name ?? "";
+  }
+
   get workspaces(): readonly Workspace[] {
     return this.#workspaces;
   }
@@ -53,7 +61,7 @@ export class Studio {
   /** Brings the workspaces in and begins to save. */
   start(workspaces: readonly Workspace[]): void {
     this.#workspaces = workspaces;
-    register(this.#actions());
+    register(this.actions());
     effect(() => {
       const { actions } = this.workspace;
       this.#unregister();
@@ -147,7 +155,7 @@ export class Studio {
     const project = toProject(this.document, current.value, this.workspace.camera(), settings.value);
     try {
       const bytes = await this.kernel.writeProject(project);
-      const name = stem(this.document.mesh?.source.name ?? "design") + PROJECT_SUFFIX;
+      const name = stem(this.title || "design") + PROJECT_SUFFIX;
       giveFile(name, bytes);
       announce(`${name} is saved`);
     } catch (error) {
@@ -171,7 +179,8 @@ export class Studio {
     announce(label ? `Redone: ${label}` : "Nothing to redo");
   }
 
-  #actions(): Action[] {
+  /** What can be done in every workspace. */
+  actions(): Action[] {
     const theme = (name: Theme, label: string): Action => ({
       name: `theme.${name}`,
       label,
@@ -187,6 +196,7 @@ export class Studio {
         label: "Undo",
         keys: ["Mod+Z"],
         run: () => this.undo(),
+        detail: () => this.history.undoLabel,
         enabled: () => this.history.undoLabel !== null,
       },
       {
@@ -194,6 +204,7 @@ export class Studio {
         label: "Redo",
         keys: ["Mod+Shift+Z", "Mod+Y"],
         run: () => this.redo(),
+        detail: () => this.history.redoLabel,
         enabled: () => this.history.redoLabel !== null,
       },
       ...this.#workspaces.map(

@@ -103,6 +103,7 @@ test("a person's stop rests until the design changes", async () => {
   pipeline.want({ ...WISH, control: true });
   await pipeline.idle();
   expect(kernel.fitted).toHaveLength(1);
+  expect(pipeline.stopped.value).toBe(true);
   kernel.slow = false;
   pipeline.want({ ...WISH, design: { ...DESIGN, exact: true } });
   await pipeline.idle();
@@ -154,13 +155,15 @@ test("a drag ends in a design that is fitted already", async () => {
   await pipeline.idle();
   await pipeline.grab(Uint32Array.of(0));
   await pipeline.drag([0.5, 0, 0]);
-  const { design } = await pipeline.release((moves) => {
+  const moved: unknown[] = [];
+  await pipeline.release((moves) => {
     const next = { ...DESIGN, moves };
+    moved.push(...moves);
     pipeline.want({ ...WISH, design: next });
     return next;
   });
   await pipeline.idle();
-  expect(design.moves).toEqual([[0, 0.5, 0, 0]]);
+  expect(moved).toEqual([[0, 0.5, 0, 0]]);
   expect(kernel.fitted).toHaveLength(1);
   pipeline.want(WISH);
   await pipeline.idle();

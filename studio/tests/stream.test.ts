@@ -8,10 +8,13 @@ import {
   fineLine,
   lengthFunction,
   lengthPart,
+  ownerOf,
   parametersOf,
   patchesOf,
   stepPart,
+  withDetail,
   withPatch,
+  withoutDetails,
   withRowDeleted,
   withRowInserted,
   withTangent,
@@ -100,6 +103,27 @@ test("points are inserted and deleted as far as the kind allows", () => {
   const knotted: Bspline = { ...initial, knots: [0, 0, 0, 1, 1, 1] };
   expect(withRowInserted(knotted, 0)).not.toHaveProperty("knots");
   expect(withRowDeleted(knotted, 0)).toBe(knotted);
+});
+
+test("stitched patches take their first streamline from the patch before", () => {
+  const at = (row: number) => ({ row, column: 2 });
+  const plain = { patches: [patch, patch, patch], stitch: false };
+  expect(ownerOf(plain, 1, at(0))).toEqual({ patch: 1, place: at(0) });
+  const joined = { ...plain, stitch: true };
+  expect(ownerOf(joined, 1, at(0))).toEqual({ patch: 0, place: at(1) });
+  expect(ownerOf(joined, 1, at(1))).toEqual({ patch: 1, place: at(1) });
+  expect(ownerOf({ ...plain, stitch: "smooth" }, 1, at(1))).toBeNull();
+  // The last of two rows is the second one, which follows as well.
+  expect(ownerOf({ ...plain, stitch: "smooth" }, 2, at(0))).toBeNull();
+});
+
+test("a finer tangent replaces what was set at its place, and no other", () => {
+  const detail = (level: number, tangent: Triple) => ({ level, row: 1, column: 2, predicted: X, tangent });
+  let model: unknown = withDetail(withDetail(patch, 0, detail(1, Y)), 0, detail(2, Y));
+  model = withDetail(model, 0, detail(1, Z));
+  expect(patchesOf(model)[0]!.details).toEqual([detail(2, Y), detail(1, Z)]);
+  expect(withoutDetails(model, 0, (d) => d.level === 1)).toEqual({ ...patch, details: [detail(2, Y)] });
+  expect(withoutDetails(model, 0, () => true)).toEqual(patch);
 });
 
 test("places and lines of grids", () => {
@@ -194,7 +218,7 @@ function geometry(): PatchGeometry {
     columnCount: 4,
     feet: none,
     tangents: none,
-    fineTangents: none,
+    fineTangents: Float32Array.from({ length: 24 }, (_, i) => (i % 3 === 2 ? 1 : 0)),
     milliseconds: 1,
   };
 }
@@ -276,6 +300,38 @@ test("the steps of a slide start from where it began", async () => {
   session.setComponent(1, 0.25);
   await session.idle();
   expect(kernel.calls.filter((c) => c.startsWith("component")).at(-1)).toBe("component of 1 0.75 0");
+});
+
+test("a finer tangent is a detail beside what refinement gave, and one thing to undo", async () => {
+  session.setLevel(1);
+  await session.idle();
+  await new Promise((go) => setTimeout(go));
+  expect(session.level.value).toBe(1);
+  session.setTangent(Y, { row: 1, column: 1 });
+  await session.idle();
+  session.setTangent(Z, { row: 1, column: 1 });
+  await session.idle();
+  session.seal();
+  await session.idle();
+  const set = patchesOf(studio.history.present.value.model)[0]!;
+  expect(set.details).toEqual([{ level: 1, row: 1, column: 1, predicted: [0, 0, 1], tangent: Z }]);
+  expect(set.tangents).toEqual(patch.tangents);
+  studio.undo();
+  expect(patchesOf(studio.history.present.value.model)[0]!.details).toBeUndefined();
+});
+
+test("a drag that is cancelled leaves the model as it was", async () => {
+  session.beginDrag();
+  session.cancelDrag();
+  await session.idle();
+  expect(studio.history.undoLabel).toBe("Open a.streamline.json");
+  session.setTangent(Y);
+  await session.idle();
+  session.setTangent(Z);
+  session.cancelDrag();
+  await session.idle();
+  expect(shown()[0]![0]).toEqual(X);
+  expect(studio.history.undoLabel).toBe("Open a.streamline.json");
 });
 
 test("a model that the kernel refuses is told, stays to be undone, and is not tried again and again", async () => {

@@ -9,7 +9,7 @@ use crate::command::{Result, cargo, output, root, step, succeeds};
 const TARGET: &str = "wasm32-unknown-unknown";
 const PLACE: &str = "studio/src/kernel/wasm";
 /// Of the npm package with `wasm-opt`, where the studio has not installed one.
-const BINARYEN: &str = "binaryen@131";
+const BINARYEN: &str = "binaryen@132";
 
 /// Builds everything. A `release` is also made smaller and faster by `wasm-opt`, if that can be had.
 pub(crate) fn run(release: bool) -> Result {
@@ -37,7 +37,7 @@ pub(crate) fn run(release: bool) -> Result {
 fn compiler() -> Result<Command> {
     let mut build = cargo(&["build"]);
     build.args(["--target-dir", "target/wasm"]);
-    let fallback = root().join("target/tools/wasm-toolchain/usr/bin/rustc");
+    let fallback = root().join("target/tools/wasm-toolchain/rustc");
     let force = std::env::var_os("FAIRFORM_WASM_FALLBACK").is_some();
     if !force && has_target() {
         return Ok(build);
@@ -77,7 +77,8 @@ fn optimise(wasm: &Path) -> Result {
         return Ok(());
     };
     let mut run = Command::new(tool);
-    run.args(["-O3", "--all-features", "--strip-debug", "--strip-producers"]);
+    // What the module says it uses is what may be used.
+    run.args(["-O3", "--strip-debug", "--strip-producers"]);
     step("wasm-opt", run.arg(wasm).arg("-o").arg(wasm))
 }
 

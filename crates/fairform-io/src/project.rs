@@ -66,7 +66,7 @@ pub const FOR_EVER: f64 = -1.0;
 pub struct Project {
     /// [`VERSION`].
     #[serde(rename = "fairform")]
-    version: Version,
+    pub version: Version,
     /// Where it was worked on.
     #[serde(default)]
     pub workspace: Workspace,
@@ -84,9 +84,9 @@ pub struct Project {
     pub studio: Value,
 }
 
-/// Always [`VERSION`].
+/// The version of a project: [`VERSION`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
-struct Version(u32);
+pub struct Version(u32);
 
 impl Default for Version {
     fn default() -> Self {
@@ -332,13 +332,11 @@ impl MeshPart {
     }
 
     fn format(&self) -> Result<Format, ParseError> {
-        match Format::from_path(Path::new(&self.name)) {
-            Some((format, _)) => Ok(format),
-            None => {
-                let known = "a name that tells a format: ".to_owned() + Format::KNOWN;
-                Err(bad("mesh.name", format_args!("{:?}", self.name), &known))
-            }
-        }
+        let format = Format::from_path(Path::new(&self.name)).map(|(format, _)| format);
+        format.ok_or_else(|| {
+            let known = "a name that tells a format: ".to_owned() + Format::KNOWN;
+            bad("mesh.name", format_args!("{:?}", self.name), &known)
+        })
     }
 
     /// The mesh as it was read and repaired, before vertices were moved.

@@ -4,7 +4,7 @@ use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 
 use fairform::edit::{Drag, Editor};
-use fairform::interpolate::{Interpolator, fit_mesh};
+use fairform::interpolate::{Interpolator, Options, fit_mesh};
 use fairform::pushback::PushBack;
 use fairform::tessellate::{Part, Tessellation};
 use fairform::{FaceId, Topology, Vec3, VertexId, refine};
@@ -224,7 +224,7 @@ impl MeshSession {
         drawn.control.extend_from_slice(fitted.control.positions());
         let control = &drawn.control;
         let Some(moving) = moving else {
-            let (positions, normals) = drawn.all_points()?;
+            let [positions, normals] = drawn.all_points()?;
             let control_vertices = (0..control.len() as u32).collect();
             let control_positions = single(control);
             let vertices = None;
@@ -287,18 +287,14 @@ impl Fitted {
     /// An editor of control points of level 0; none where there are none, or they do not follow.
     fn editor(&self) -> Option<Editor> {
         let tolerance = self.design.tolerance.clamp(1e-12, 0.1);
-        let control = match self.level {
-            0 => self.control.positions().to_vec(),
-            _ => {
-                let (topology, positions) = (self.target.topology(), self.target.positions());
-                let options = fairform::interpolate::Options {
-                    tolerance: Some(tolerance),
-                    ..fairform::interpolate::Options::default()
-                };
-                let mut go_on = |_, _| ControlFlow::Continue(());
-                let interpolator = Interpolator::near(topology, &self.rules, positions).ok()?;
-                interpolator.fit(positions, &options, &mut go_on).ok()?.0
-            }
+        let control = if self.level == 0 {
+            self.control.positions().to_vec()
+        } else {
+            let (topology, positions) = (self.target.topology(), self.target.positions());
+            let options = Options { tolerance: Some(tolerance), ..Options::default() };
+            let mut go_on = |_, _| ControlFlow::Continue(());
+            let interpolator = Interpolator::near(topology, &self.rules, positions).ok()?;
+            interpolator.fit(positions, &options, &mut go_on).ok()?.0
         };
         Editor::new(&self.target, &self.rules, control, tolerance).ok()
     }
@@ -341,11 +337,11 @@ impl Fitted {
 
 impl Drawn {
     /// All points and normals.
-    fn all_points(&self) -> Result<(Vec<[f32; 3]>, Vec<[f32; 3]>), Problem> {
+    fn all_points(&self) -> Result<[Vec<[f32; 3]>; 2], Problem> {
         let surface = self.fine.surface(&self.control)?;
         let mut positions = vec![[0.0; 3]; self.fine.vertex_count()];
         let mut normals = positions.clone();
         surface.fill(&mut positions, Some(&mut normals));
-        Ok((positions, normals))
+        Ok([positions, normals])
     }
 }

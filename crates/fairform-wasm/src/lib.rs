@@ -4,6 +4,7 @@
 //!
 //! Arrays are single precision, as the screen takes them; what is computed from them is not.
 
+mod attributes;
 #[cfg(target_arch = "wasm32")]
 mod bindings;
 mod drag;

@@ -372,9 +372,8 @@ impl MeshSession {
     fn problem(&self, error: &fairform::Error, design: &Design) -> Problem {
         let problem = Problem::from(error.clone());
         let help = match error {
-            fairform::Error::Interrupted => None,
             fairform::Error::NotSymmetric => Some("choose the method auto".into()),
-            fairform::Error::Overflow { .. } => None,
+            fairform::Error::Interrupted | fairform::Error::Overflow { .. } => None,
             _ => self.advice(design),
         };
         Problem { help, ..problem }
@@ -421,7 +420,7 @@ impl MeshSession {
         let fitted = self.fitted()?;
         let (control, level) = fitted.control_after(iteration)?;
         let origin = fitted.parents(level)?;
-        let (topology, _) = fitted.finer(level)?;
+        let (topology, _) = fitted.finer(level);
         let mesh = Mesh::from_parts(topology, control);
         Ok(Geometry::of_mesh(&mesh, |f| origin[f as usize]))
     }
@@ -560,11 +559,11 @@ impl MeshSession {
 
 impl Fitted {
     /// The topology and rules some steps finer than the target: 0 or as much as the control mesh.
-    fn finer(&self, level: u32) -> Result<(Arc<Topology>, Rules), Problem> {
+    fn finer(&self, level: u32) -> (Arc<Topology>, Rules) {
         if level == self.level {
-            return Ok((Arc::clone(self.control.topology()), self.control_rules.clone()));
+            return (Arc::clone(self.control.topology()), self.control_rules.clone());
         }
-        Ok((Arc::clone(self.target.topology()), self.rules.clone()))
+        (Arc::clone(self.target.topology()), self.rules.clone())
     }
 
     /// Control points after so many updates, and how many steps they are finer than the target.
@@ -601,7 +600,7 @@ impl Fitted {
             return Err(Problem::new(format!("at most {MOST_LEVELS} levels are drawn")));
         }
         let (control, level) = self.control_after(iteration)?;
-        let (topology, rules) = self.finer(level)?;
+        let (topology, rules) = self.finer(level);
         let steps = fineness.levels.saturating_sub(level);
         let size = refine::check_size(&topology, &rules, steps)?;
         if size.vertex_count > MOST_POINTS {
@@ -676,15 +675,14 @@ impl Fitted {
             list.holes = holes.map(|f| f as u32).collect();
             list
         });
-        Ok(MeshData {
+        let mut data = MeshData {
             positions: self.control.positions().to_vec(),
             faces: topology.to_faces(),
-            groups: labels_of(given.groups.as_ref(), &parents),
-            materials: labels_of(given.materials.as_ref(), &parents),
-            material_library: given.material_library.clone(),
             creases: creases.filter(|list| !list.is_empty() || list.boundary.is_some()),
             ..MeshData::default()
-        })
+        };
+        self.attributes(given, &parents, &mut data)?;
+        Ok(data)
     }
 }
 
@@ -710,23 +708,10 @@ impl Drawn {
             faces = faces.iter().zip(&origin).filter(|f| kept(f.1)).map(|f| f.0).collect();
             origin.retain(kept);
         }
-        Ok(MeshData {
-            positions,
-            normals: Some(normals),
-            faces,
-            groups: labels_of(given.groups.as_ref(), &origin),
-            materials: labels_of(given.materials.as_ref(), &origin),
-            material_library: given.material_library.clone(),
-            ..MeshData::default()
-        })
+        let mut data = MeshData { positions, normals: Some(normals), faces, ..MeshData::default() };
+        self.attributes(fitted, given, &origin, &mut data)?;
+        Ok(data)
     }
-}
-
-/// The labels of faces that are parts of others.
-fn labels_of(labels: Option<&Labels>, origin: &[u32]) -> Option<Labels> {
-    let Labels { names, of_face } = labels?;
-    let of_face = origin.iter().map(|&f| of_face[f as usize]).collect();
-    Some(Labels { names: names.clone(), of_face })
 }
 
 fn of_labels(labels: &Labels) -> select::Labels<'_> {

@@ -47,6 +47,7 @@ impl Problem {
     }
 
     /// A kernel error about the mesh of a file, with the repairs that help, made on trial.
+    #[must_use]
     pub fn in_mesh(name: &str, error: &fairform::Error, data: &MeshData) -> Self {
         if !matches!(error, fairform::Error::NotManifold(_)) {
             return Self::at(name, error);

@@ -2,6 +2,8 @@
 
 import { useSignalEffect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import { tell } from "../announce";
+import { problemOf } from "../kernel/problem";
 import type { Studio } from "../studio";
 import type { Workspace } from "../workspace";
 import { commands } from "./commands";
@@ -35,8 +37,14 @@ function View({ session }: { session: Session }) {
   const left = useRef<HTMLDivElement>(null);
   const right = useRef<HTMLDivElement>(null);
   useEffect(() => {
-    const scene = new MeshScene(left.current!, session);
-    return () => scene.dispose();
+    try {
+      const scene = new MeshScene(left.current!, session);
+      return () => scene.dispose();
+    } catch (error) {
+      const help = "Use a browser with WebGL 2, and allow it to use the graphics card.";
+      tell({ kind: "error", title: "Nothing can be drawn", text: problemOf(error).message, help, choices: [] });
+      return undefined;
+    }
   }, [session]);
   const compares = session.other.value !== null && session.mesh.value?.compare != null;
   useEffect(() => {

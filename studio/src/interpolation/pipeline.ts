@@ -62,6 +62,8 @@ export class Pipeline {
   readonly progress = signal<readonly Progress[]>([]);
   readonly stage = signal<Stage | null>(null);
   readonly trouble = signal<Trouble | null>(null);
+  /** A person stopped the fit: it rests until the design changes, and what is seen belongs to an earlier one. */
+  readonly stopped = signal(false);
 
   readonly #kernel: MeshKernel;
   #wish: Wish | null = null;
@@ -70,8 +72,6 @@ export class Pipeline {
   #stepSince = 0;
   /** The timer that will cancel the fit in hand. */
   #doomed: ReturnType<typeof setTimeout> | null = null;
-  /** Cancelled by a person: rest until the design changes. */
-  #stopped = false;
   /** Others that use the kernel and must not be disturbed: opening, dragging. */
   #held = 0;
 
@@ -101,7 +101,7 @@ export class Pipeline {
   #want(wish: Wish | null): void {
     const before = this.#wish;
     this.#wish = wish;
-    if (before?.design !== wish?.design || before?.source !== wish?.source) this.#stopped = false;
+    if (before?.design !== wish?.design || before?.source !== wish?.source) this.stopped.value = false;
     const step = this.#step;
     if (step?.stage === "fit" && !step.wanted() && !this.#doomed) {
       const left = Math.max(0, this.#stepSince + GRACE - performance.now());
@@ -116,13 +116,13 @@ export class Pipeline {
   /** Stops the fit that runs; what was on screen stays. */
   async cancel(): Promise<void> {
     if (this.#step?.stage !== "fit") return;
-    this.#stopped = true;
+    this.stopped.value = true;
     await this.#kernel.cancel();
   }
 
   /** Fits again after a cancel or a failure. */
   retry(): void {
-    this.#stopped = false;
+    this.stopped.value = false;
     this.#failed.clear();
     this.trouble.value = null;
     this.#start();
@@ -162,19 +162,19 @@ export class Pipeline {
 
   /**
    * Ends the drag. `design` makes the moved design out of the moves; the kernel has it fitted already, so a
-   * wish for exactly this object is no reason to fit again.
+   * wish for exactly this object is no reason to fit again. It answers null if it changed what the kernel has.
    */
-  async release(design: (moves: Design["moves"]) => Design): Promise<{ design: Design; answer: DragAnswer }> {
+  async release(design: (moves: Design["moves"]) => Design | null): Promise<DragAnswer> {
     try {
       const { moves, max, answer } = await this.#kernel.release();
       const next = design(moves);
       batch(() => {
-        this.#design = next;
+        if (next) this.#design = next;
         if (this.fit.value) this.fit.value = { ...this.fit.value, max };
         this.#valuesOf = null;
         this.#controlOf = null;
       });
-      return { design: next, answer };
+      return answer;
     } finally {
       this.#letGo();
     }
@@ -230,7 +230,10 @@ export class Pipeline {
         if (this.trouble.value?.stage === step.stage) this.trouble.value = null;
       } catch (error) {
         const problem = problemOf(error);
-        if (problem.cancelled) continue;
+        if (problem.cancelled) {
+          if (step.stage === "fit") this.progress.value = this.fit.value?.history ?? [];
+          continue;
+        }
         this.#failed.set(step.stage, wish);
         if (step.wanted()) this.trouble.value = { ...problem, stage: step.stage };
       }
@@ -271,7 +274,7 @@ export class Pipeline {
     // While a slider moves, every fit that ends is drawn and coloured before the next begins.
     const isUndrawn = s?.fit !== fit ? lacksSurface : lacksValues && v?.fit !== fit;
     if (this.#design !== design && !(this.#design !== null && isUndrawn)) {
-      if (this.#stopped) return null;
+      if (this.stopped.value) return null;
       if (this.#hasFailed("fit", (f) => f.source === source && f.design === design)) return null;
       const wanted = () => this.#wish?.design === design && this.#wish.source === source;
       return { stage: "fit", wanted, run: () => this.#fit(design, wanted) };

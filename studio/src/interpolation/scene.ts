@@ -244,7 +244,9 @@ export class MeshScene {
   }
 
   #hover(at: { x: number; y: number } | null): void {
-    const face = at && this.#session.target.peek() === "faces" ? this.#picker.faceAt(at.x, at.y) : null;
+    // Preparing to pick from very many triangles takes a moment, which only a click is worth.
+    const isQuick = (this.#main.view.skin?.triangles.length ?? 0) < 3 * 400_000;
+    const face = at && isQuick && this.#session.target.peek() === "faces" ? this.#picker.faceAt(at.x, at.y) : null;
     this.#main.view.setHover(face);
   }
 

@@ -16,7 +16,7 @@ import {
 } from "../state/document";
 import { all, combine, fromMask, maskOf, NONE, type Combine, type Indices } from "../state/indices";
 import type { Camera } from "../state/project";
-import { change, settings } from "../state/settings";
+import { change, settings, show } from "../state/settings";
 import type { Studio } from "../studio";
 import { Pipeline, type Wish } from "./pipeline";
 import type { MeshScene } from "./scene";
@@ -34,6 +34,14 @@ interface Drag {
   /** Where the vertices were, 3 numbers each. */
   start: Float32Array;
   offset: Triple;
+  /** A coordinate that was typed, and is meant to the last digit. */
+  exact: Typed | null;
+}
+
+interface Typed {
+  vertex: number;
+  axis: 0 | 1 | 2;
+  value: number;
 }
 
 export class Session {
@@ -74,9 +82,9 @@ export class Session {
   #drag: Drag | null = null;
   /** The end of the last drag: the surface settles. */
   #ending: Promise<void> = Promise.resolve();
-  /** The design that a slide of the tension began with, so that falloff does not add up. */
-  #tensionBase: Design | null = null;
-  #tensionAsked: { value: number; base: Design } | null = null;
+  /** The slide of the tension that goes on or was the last: spreading begins anew from its base, or it would add up. */
+  #slide: { base: Design; faces: Indices; value: number; result: Design; open: boolean } | null = null;
+  #tensionAsked = false;
   #tensionRuns = false;
 
   constructor(studio: Studio) {
@@ -99,7 +107,7 @@ export class Session {
     effect(() => this.other.value?.want(this.#wish("b")));
     effect(() => {
       const fit = this.main.fit.value;
-      if (!fit || this.main.stage.value !== null) return;
+      if (!fit) return;
       const said = fit.converged ? "passes through every vertex" : "has not converged";
       announce(`The surface ${said}: largest distance ${fit.max.toExponential(1)} of the diagonal`);
     });
@@ -128,6 +136,9 @@ export class Session {
     try {
       const info = await this.main.open(source, repairs);
       if (source.up) change({ up: source.up });
+      // Of a fine mesh, points and lines would only hide the surface.
+      const isFine = info.vertexCount > 4000;
+      show({ points: !isFine, patches: !isFine });
       const levels = suitableLevels(info.faceCount, info.mostCorners);
       const mesh = meshDocument(source, repairs, designFor(info), levels);
       const document = { ...this.studio.history.present.peek(), mesh };
@@ -202,7 +213,7 @@ export class Session {
 
   seal(): void {
     this.studio.history.seal();
-    this.#tensionBase = null;
+    if (this.#slide) this.#slide.open = false;
   }
 
   compareWith(design: Design | null): void {
@@ -318,18 +329,35 @@ export class Session {
       this.setDesign({ tension: value }, "Tension", key);
       return;
     }
-    this.#tensionBase ??= design;
-    const base = this.#tensionBase;
-    if (value === null || this.falloff.peek() === 0) {
+    if (!this.#slide?.open || this.#slide.faces !== mesh.faces) {
+      this.#slide = { base: design, faces: mesh.faces, value: 0, result: design, open: true };
+    }
+    const slide = this.#slide;
+    if (value === null) {
       const chosen = new Set(mesh.faces);
-      const tensions = base.tensions.filter(([face]) => !chosen.has(face));
-      if (value !== null) for (const face of mesh.faces) tensions.push([face, value]);
-      this.setDesign({ tensions: tensions.sort((a, b) => a[0] - b[0]) }, "Tension", key);
-      if (value === null) this.#tensionBase = null;
+      this.#slide = null;
+      this.setDesign({ tensions: design.tensions.filter(([face]) => !chosen.has(face)) }, "Tension");
       return;
     }
-    this.#tensionAsked = { value, base };
-    if (!this.#tensionRuns) void this.#spread(mesh.faces, key);
+    slide.value = value;
+    if (this.falloff.peek() > 0) {
+      this.#spread();
+      return;
+    }
+    const chosen = new Set(mesh.faces);
+    const tensions = slide.base.tensions.filter(([face]) => !chosen.has(face));
+    for (const face of mesh.faces) tensions.push([face, value]);
+    this.setDesign({ tensions: tensions.sort((a, b) => a[0] - b[0]) }, "Tension", key);
+    slide.result = this.design.peek() ?? design;
+  }
+
+  /** Sets how far tensions fade; the last one that was set fades anew. */
+  setFalloff(rings: number): void {
+    this.falloff.value = rings;
+    const slide = this.#slide;
+    if (!slide || slide.result !== this.design.peek() || slide.faces !== this.mesh.peek()?.faces) return;
+    slide.open = true;
+    this.#spread();
   }
 
   /** The tension of the first selected face, or of all. */
@@ -346,24 +374,33 @@ export class Session {
     if (!range) return;
     const next = Math.min(range.max, Math.max(range.min, this.tension.peek() + by));
     this.setTension(Math.round(next * 1000) / 1000);
-    this.#tensionBase = null;
+    this.seal();
   }
 
-  async #spread(faces: Indices, key: string | null): Promise<void> {
+  /** While the kernel answers, the slider moves on; only its last value counts. */
+  #spread(): void {
+    this.#tensionAsked = true;
+    if (this.#tensionRuns) return;
     this.#tensionRuns = true;
+    void this.#spreadAll().finally(() => {
+      this.#tensionRuns = false;
+    });
+  }
+
+  async #spreadAll(): Promise<void> {
     try {
-      // While the kernel answers, the slider moves on; only its last value counts.
-      for (let asked = this.#tensionAsked; asked; asked = this.#tensionAsked) {
-        this.#tensionAsked = null;
-        const mask = maskOf(faces, this.faceCount);
-        const { base, value } = asked;
-        const tensions = await this.studio.kernel.spreadTension(base, mask, value, this.falloff.peek());
-        this.setDesign({ tensions }, "Tension", key);
+      while (this.#tensionAsked) {
+        this.#tensionAsked = false;
+        const slide = this.#slide;
+        if (!slide) return;
+        const mask = maskOf(slide.faces, this.faceCount);
+        const tensions = await this.studio.kernel.spreadTension(slide.base, mask, slide.value, this.falloff.peek());
+        if (slide !== this.#slide) continue;
+        this.setDesign({ tensions }, "Tension", "tension");
+        slide.result = this.design.peek() ?? slide.base;
       }
     } catch (error) {
       announce(problemOf(error).message);
-    } finally {
-      this.#tensionRuns = false;
     }
   }
 
@@ -392,7 +429,7 @@ export class Session {
     if (vertices.length === 0 || this.#drag) return;
     const start = new Float32Array(3 * vertices.length);
     vertices.forEach((v, i) => start.set(this.placeOf(v) ?? [0, 0, 0], 3 * i));
-    this.#drag = { vertices, ready: this.main.grab(vertices), pending: null, busy: null, start, offset: [0, 0, 0] };
+    this.#drag = { vertices, ready: this.main.grab(vertices), pending: null, busy: null, start, offset: [0, 0, 0], exact: null };
     // Reported when the drag ends; here only so that it is not reported twice.
     this.#drag.ready.catch(() => {});
   }
@@ -439,18 +476,33 @@ export class Session {
     try {
       await drag.ready;
       await drag.busy;
-      const { answer } = await this.main.release((moves) => this.#commitMoves(moves));
+      const answer = await this.main.release((moves) => {
+        const design = this.#commitMoves(withTyped(moves, drag.exact));
+        return drag.exact ? null : design;
+      });
       this.onDrag(answer, drag.vertices, placesAt(drag, drag.offset));
     } catch {
       // Without a fit to settle, the vertices still go where they were put.
-      this.#commitMoves(movesAt(drag));
+      this.#commitMoves(withTyped(movesAt(drag), drag.exact));
     }
   }
 
+  /** Puts the first selected vertex at a coordinate; the others move with it. */
+  typeCoordinate(axis: 0 | 1 | 2, value: number): void {
+    const vertex = this.mesh.peek()?.vertices[0];
+    const place = vertex === undefined ? null : this.placeOf(vertex);
+    if (vertex === undefined || !place) return;
+    const offset: Triple = [0, 0, 0];
+    offset[axis] = value - place[axis];
+    this.nudge(offset, { vertex, axis, value });
+  }
+
   /** Moves selected vertices by an offset, as one step. */
-  nudge(offset: Triple): void {
+  nudge(offset: Triple, exact: Typed | null = null): void {
     if (this.#drag) return;
     this.beginDrag();
+    const drag = this.#drag as Drag | null;
+    if (drag) drag.exact = exact;
     this.drag(offset);
     void this.endDrag();
   }
@@ -492,6 +544,16 @@ export function counted(count: number, kind: Target): string {
 
 function placesAt(drag: Drag, offset: Triple): Float32Array {
   return drag.start.map((x, i) => x + offset[i % 3]!);
+}
+
+function withTyped(moves: Design["moves"], exact: Typed | null): Design["moves"] {
+  if (!exact) return moves;
+  return moves.map((move) => {
+    if (move[0] !== exact.vertex) return move;
+    const typed: typeof move = [...move];
+    typed[exact.axis + 1] = exact.value;
+    return typed;
+  });
 }
 
 function movesAt(drag: Drag): Design["moves"] {

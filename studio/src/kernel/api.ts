@@ -106,6 +106,7 @@ export interface GivenMesh extends Geometry {
 export interface Progress {
   /** `closed`, `boundary`, `interior`, `whole`, `fairing`. */
   stage: string;
+  /** Updates so far, counted through all stages; each stage begins with the number that the one before ended with. */
   iteration: number;
   /** Largest and mean distance of limit points from their vertices, relative to the diagonal. */
   max: number;
@@ -148,7 +149,7 @@ export interface DragAnswer {
   /** Their positions and normals, 3 each. */
   positions: Float32Array;
   normals: Float32Array;
-  /** Control points of level 0 that moved, and where to. */
+  /** Control points that moved, numbered as in `control`, and where to. */
   controlVertices: Uint32Array;
   controlPositions: Float32Array;
   milliseconds: number;
@@ -164,6 +165,7 @@ export type FaceQuery =
 export interface MeshKernel {
   /** Replaces the mesh of this worker. `repairs` are steps to run on it first. */
   openMesh(bytes: Uint8Array, name: string, repairs?: string[]): Promise<MeshInfo>;
+  /** The mesh as it was opened; after a fit, a drag or a release with its vertices where they are now. */
   given(): Promise<GivenMesh>;
   /** Fits, reporting progress; the worker stays answerable to `cancel`. Keeps the result for what follows. */
   fit(design: Design, progress?: (step: Progress) => void): Promise<FitResult>;
@@ -176,14 +178,20 @@ export interface MeshKernel {
   values(colouring: Colouring): Promise<Values>;
   /** One byte per face of the given mesh. */
   query(selected: Uint8Array, query: FaceQuery): Promise<Uint8Array>;
-  /** The parameters of faces after setting `value` on the selected, fading over `distance` (0: none) rings' length. */
+  /** The parameters of faces after setting `value` on the selected, fading over `distance` (0: none) mean edge lengths. */
   spreadTension(design: Design, selected: Uint8Array, value: number, distance: number): Promise<[number, number][]>;
 
-  /** Begins to drag vertices of the given mesh. */
+  /** Begins to drag vertices of the given mesh. Ends with `release`, `fit` or `surface`; `surface` must have been asked for. */
   grab(vertices: Uint32Array): Promise<void>;
-  /** Where the surface is with the grabbed vertices at `offset` from where they were grabbed. */
+  /**
+   * Where the surface is with the grabbed vertices at `offset` from where they were grabbed. Of offsets that wait
+   * only the newest counts; all who asked get its answer.
+   */
   drag(offset: [number, number, number]): Promise<DragAnswer>;
-  /** Ends the drag and settles: the surface passes through every vertex again. Says where they are now. */
+  /**
+   * Ends the drag and settles: the surface passes through every vertex again. Says where all vertices are that are
+   * not where the file has them. The kernel then is as after a `fit` with these moves; the answer tells all points.
+   */
   release(): Promise<{ moves: [number, number, number, number][]; max: number; answer: DragAnswer }>;
 
   /** The surface (or the control mesh) as a file. */
@@ -216,6 +224,8 @@ export interface PatchGeometry extends Geometry {
   tangents: Float32Array;
   /** Tangents refined to the finest level, unit, 3 per point of the surface. */
   fineTangents: Float32Array;
+  /** Other patches that moved with it, for the model stitches them. */
+  others?: Uint32Array;
   milliseconds: number;
 }
 
@@ -231,12 +241,16 @@ export interface StreamKernel {
   setComponent(tangent: Triple, axis: 0 | 1 | 2, value: number): Promise<Triple>;
   /** `tangent` turned about `axis` by `degrees`. */
   rotate(tangent: Triple, axis: Triple, degrees: number): Promise<Triple>;
-  /** Great arcs between consecutive tangents: `steps` points per arc, 3 each. */
+  /** Great arcs between consecutive tangents of rows or columns: `steps` points per arc with both its ends, 3 each. */
   arcs(patch: number, rows: boolean, steps: number): Promise<Float32Array>;
-  /** The model with a row or column of tangents inserted (blended on the sphere) or deleted; or mirrored. */
+  /**
+   * The model with a row or column of tangents inserted (blended on the sphere, between two others: from 1) or
+   * deleted, without its details at finer levels; or one patch replaced by its mirror image in a plane through the
+   * origin.
+   */
   edit(model: unknown, change: ModelChange): Promise<unknown>;
   values(patch: number, colouring: Colouring): Promise<Values>;
-  /** Curvature combs of the streamlines: 2 points (foot, tip) per point of the surface, 3 each. */
+  /** Curvature combs of the streamlines: 2 points (foot, tip away from the centre) per point of the surface, 3 each. */
   combs(patch: number, scale: number): Promise<Float32Array>;
   saveModel(): Promise<Uint8Array>;
   /** The joined surface as a file, also for the other workspace. */

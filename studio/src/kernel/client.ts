@@ -57,6 +57,8 @@ export function createKernel(options: Options = {}): Kernel {
   let running: Waiting | null = null;
   let queue: Waiting[] = [];
   let nextId = 1;
+  /** A fit overtook the one that a new worker was to repeat; if it fails, that is needed after all. */
+  let overtaken = false;
   const state: State = { open: null, fit: null, surface: null, model: null, set: null, tangents: new Map() };
 
   function fail(why: Problem) {
@@ -105,6 +107,11 @@ export function createKernel(options: Options = {}): Kernel {
         const call = running;
         if (call?.id !== message.id) return;
         running = null;
+        if (call.name === "fit" && overtaken) {
+          overtaken = false;
+          again("surface", state.surface, true);
+          again("fit", state.fit && [state.fit], true);
+        }
         call.reject(message.problem);
         break;
       }
@@ -126,6 +133,7 @@ export function createKernel(options: Options = {}): Kernel {
         [state.open, state.fit, state.surface] = [args, null, null];
         break;
       case "fit":
+        overtaken = false;
         [state.fit, state.surface] = [args[0] as Design, null];
         break;
       case "release":
@@ -152,10 +160,29 @@ export function createKernel(options: Options = {}): Kernel {
   function enqueue(name: string, args: unknown[], more: Partial<Waiting> = {}): Promise<unknown> {
     if (broken !== null) return Promise.reject(broken);
     return new Promise((resolve, reject) => {
+      if (more.replay !== true) overtake(name);
       queue.push({ id: nextId++, name, args, resolve, reject, replay: false, ...more });
       if (worker === null) start();
       next();
     });
+  }
+
+  /** Takes from the queue what was only to be repeated, and is replaced by this call. */
+  function overtake(name: string) {
+    const replaced = { fit: ["fit", "surface"], openMesh: ["openMesh", "fit", "surface"] }[name] ?? [];
+    const before = queue.length;
+    queue = queue.filter((call) => !(call.replay && replaced.includes(call.name)));
+    if (name === "fit" && queue.length < before) overtaken = true;
+  }
+
+  /** Repeats a call that went well; `first`: before all that waits. */
+  function again(name: string, args: unknown[] | null, first = false) {
+    if (args === null) return;
+    // What went well once goes well again; if not, the calls to come say so.
+    const ignore = () => {};
+    const call = { id: nextId++, name, args, resolve: ignore, reject: ignore, replay: true };
+    if (first) queue.unshift(call);
+    else queue.push(call);
   }
 
   function call<N extends keyof Calls>(name: N, ...args: unknown[]): Promise<ReturnType<Calls[N]>> {
@@ -169,10 +196,7 @@ export function createKernel(options: Options = {}): Kernel {
     worker?.terminate();
     running = null;
     start();
-    const again = (name: string, args: unknown[] | null) => {
-      // What went well once goes well again; if not, the calls to come say so.
-      if (args !== null) void enqueue(name, args, { replay: true }).catch(() => undefined);
-    };
+    overtaken = false;
     again("openMesh", state.open);
     again("fit", state.fit && [state.fit]);
     again("surface", state.surface);

@@ -47,7 +47,7 @@ export function TopBar({ studio }: { studio: Studio }) {
         </span>
       </div>
       <div class="bar-file" data-testid="file-name">
-        {studio.document.mesh && current.value === "interpolation" ? studio.document.mesh.source.name : ""}
+        {studio.title}
       </div>
       <div class="bar-group">
         <button

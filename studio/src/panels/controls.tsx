@@ -27,6 +27,8 @@ export function ActionButton(props: { name: string; icon?: IconName; label?: str
   if (!action) return null;
   const hint = keyHint(action.keys);
   const isOn = action.on?.();
+  const detail = action.detail?.();
+  const words = detail ? `${action.label}: ${detail}` : action.label;
   return (
     <button
       type="button"
@@ -34,7 +36,7 @@ export function ActionButton(props: { name: string; icon?: IconName; label?: str
       aria-label={props.icon ? action.label : undefined}
       aria-pressed={isOn === undefined ? undefined : isOn}
       aria-keyshortcuts={action.keys?.[0]?.replace("Mod", "Control")}
-      title={hint ? `${action.label} (${hint})` : action.label}
+      title={hint ? `${words} (${hint})` : words}
       disabled={action.enabled?.() === false}
       data-testid={action.name}
       onClick={() => actions.run(props.name)}

@@ -6,6 +6,7 @@ import * as actions from "../actions";
 import { dismiss, message } from "../announce";
 import { MODELS, openSample, SAMPLES, type Sample } from "../gallery";
 import { keyLabel } from "../keys";
+import { current } from "../workspace";
 import { measured, MEASURES, panelOpen, summary } from "../perf";
 import type { Studio } from "../studio";
 import { Button } from "./controls";
@@ -140,18 +141,26 @@ function open(studio: Studio, sample: Sample): void {
 }
 
 /** The samples as a strip, for the first minute. */
-export function Welcome({ studio }: { studio: Studio }) {
+export function Welcome(props: {
+  studio: Studio;
+  samples?: readonly Sample[];
+  title?: string;
+  says?: string;
+  /** Null if there is nothing else to see, so that it stays. */
+  onClose?: null;
+}) {
+  const { studio, samples = SAMPLES } = props;
   return (
     <nav class="welcome card" aria-label="Samples" data-testid="welcome">
       <div class="welcome-words">
-        <strong>Smooth surfaces through exactly the points you give.</strong>
-        <span>Open a mesh of your own, drop one anywhere, or try another sample.</span>
+        <strong>{props.title ?? "Smooth surfaces through exactly the points you give."}</strong>
+        <span>{props.says ?? "Open a mesh of your own, drop one anywhere, or try another sample."}</span>
       </div>
       <div class="welcome-row">
         <button type="button" class="button primary" onClick={() => actions.run("file.open")}>
           Open…
         </button>
-        {SAMPLES.map((sample) => (
+        {samples.map((sample) => (
           <button
             key={sample.file}
             type="button"
@@ -164,16 +173,18 @@ export function Welcome({ studio }: { studio: Studio }) {
             <span>{sample.title}</span>
           </button>
         ))}
-        <button
-          type="button"
-          class="icon-button"
-          aria-label="Hide the samples"
-          title="Hide the samples; G brings them back"
-          onClick={() => void (studio.welcome.value = false)}
-          data-testid="welcome-close"
-        >
-          <Icon name="close" />
-        </button>
+        {props.onClose !== null && (
+          <button
+            type="button"
+            class="icon-button"
+            aria-label="Hide the samples"
+            title="Hide the samples; G brings them back"
+            onClick={() => void (studio.welcome.value = false)}
+            data-testid="welcome-close"
+          >
+            <Icon name="close" />
+          </button>
+        )}
       </div>
     </nav>
   );
@@ -188,7 +199,7 @@ export function Gallery({ studio }: { studio: Studio }) {
   const close = () => void (studio.gallery.value = false);
   return (
     <Dialog title="Samples" testid="gallery" onClose={close}>
-      {GALLERY.map(([heading, samples]) => (
+      {(current.value === "streamline" ? GALLERY.toReversed() : GALLERY).map(([heading, samples]) => (
         <section key={heading}>
           <h3>{heading}</h3>
           <ul class="samples">

@@ -427,7 +427,8 @@ export class MeshView {
     given.uniforms["opacity"]!.value = alone ? 1 : 0.3;
     given.transparent = !alone;
     given.depthWrite = alone;
-    o.surfaceEdges.visible = o.surface.visible && shown.surfaceEdges;
+    o.surfaceEdges.visible = hasSurface && shown.surfaceEdges;
+    this.#materials.surfaceEdges.uniforms["opacity"]!.value = alone ? 0.5 : 0.16;
     if (o.surfaceEdges.visible) this.#line("surfaceEdges", () => this.#surface!.edges);
     o.patches.visible = o.surface.visible && shown.patches;
     if (o.patches.visible) this.#line("patches", () => this.#surface!.lines.pairs);

@@ -56,6 +56,7 @@ export class Viewport {
   #controls: OrbitControls;
   #up: Up = "y";
   #insets: Insets = { left: 0, right: 0, top: 0, bottom: 0 };
+  #nextInsets = this.#insets;
   #sphere = new THREE.Sphere(new THREE.Vector3(), 1);
   #request = 0;
   #flight = 0;
@@ -133,10 +134,12 @@ export class Viewport {
     });
   }
 
-  /** Parts of the canvas that panels cover; what is shown is centred in the rest. */
+  /**
+   * Parts of the canvas that panels cover; what is shown is centred in the rest. From the next `fit` on, since
+   * nothing shall jump because a panel closed.
+   */
   set insets(insets: Insets) {
-    this.#insets = insets;
-    this.#resize();
+    this.#nextInsets = insets;
   }
 
   /** What `fit` shows and the depth range covers. */
@@ -158,6 +161,7 @@ export class Viewport {
 
   /** Shows everything, from where the camera looks or from a given side. */
   fit(from?: Preset | Triple, fly = true): void {
+    this.#takeInsets();
     const towards = from
       ? new THREE.Vector3(...(typeof from === "string" ? TOWARDS[from] : from)).applyQuaternion(FROM_Y[this.#up])
       : this.camera.position.clone().sub(this.controls.target);
@@ -206,6 +210,7 @@ export class Viewport {
 
   set view(view: Camera) {
     this.#stopFlight();
+    this.#takeInsets();
     this.camera.position.fromArray(view.position);
     this.controls.target.fromArray(view.target);
     this.camera.zoom = view.zoom;
@@ -299,6 +304,12 @@ export class Viewport {
   #stopFlight(): void {
     cancelAnimationFrame(this.#flight);
     this.#flight = 0;
+  }
+
+  #takeInsets(): void {
+    if (this.#insets === this.#nextInsets) return;
+    this.#insets = this.#nextInsets;
+    this.#resize();
   }
 
   #resize(): void {

@@ -36,6 +36,12 @@ export function shapeOf(column: number): number {
   return column % SHAPES;
 }
 
+export function colourOf(palette: TangentPalette, isSelected: boolean, isHovered: boolean, column: number): string {
+  if (isSelected) return palette.selected;
+  if (isHovered) return palette.hover;
+  return column === 0 ? palette.first : palette.other;
+}
+
 /** Colour of the ring: once around the hues from the first column to the last, leaving out a sixth at the end. */
 export function ringColour(column: number, count: number, target = new THREE.Color()): THREE.Color {
   return target.setHSL((0.58 + (0.83 * column) / Math.max(1, count)) % 1, 0.72, 0.5);
@@ -212,15 +218,7 @@ export class Arrows {
     const colour = new THREE.Color();
     for (let i = 0; i < this.#count; i += 1) {
       const column = i % this.#columnCount;
-      colour.set(
-        i === this.#selected
-          ? palette.selected
-          : i === this.#hovered
-            ? palette.hover
-            : column === 0
-              ? palette.first
-              : palette.other,
-      );
+      colour.set(colourOf(palette, i === this.#selected, i === this.#hovered, column));
       this.#shafts.setColorAt(i, colour);
       const shape = shapeOf(column);
       this.#tips[shape]!.setColorAt(next[shape]!++, colour);

@@ -210,7 +210,13 @@ export function commands(session: StreamSession): Action[] {
         run: () => void session.save(format),
       }),
     ),
-    { name: "file.model", label: "Save the model", keys: ["Mod+Shift+S"], enabled: has, run: () => void session.saveModel() },
+    {
+      name: "file.model",
+      label: "Save the model",
+      keys: ["Mod+Shift+S"],
+      enabled: has,
+      run: () => void session.saveModel(),
+    },
     {
       name: "file.to-mesh",
       label: "To the interpolation workspace",
@@ -218,6 +224,12 @@ export function commands(session: StreamSession): Action[] {
       enabled: has,
       run: () => void session.toMesh(),
     },
-    { name: "file.picture", label: "Save a picture", keys: ["Mod+P"], enabled: has, run: () => void session.savePicture() },
+    {
+      name: "file.picture",
+      label: "Save a picture",
+      keys: ["Mod+P"],
+      enabled: has,
+      run: () => void session.savePicture(),
+    },
   ];
 }

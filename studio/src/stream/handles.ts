@@ -11,10 +11,11 @@ export interface Listener<T> {
   at: (x: number, y: number) => readonly T[];
   same: (a: T, b: T) => boolean;
   hover: (thing: T | null) => void;
-  /** Pressed; `again` if it is the one that was pressed last. */
-  grab: (thing: T, x: number, y: number) => void;
+  grab: (thing: T) => void;
   drag: (thing: T, x: number, y: number, event: PointerEvent) => void;
   drop: (thing: T, hasMoved: boolean) => void;
+  /** Escape was pressed during a drag that had moved it. */
+  cancel: (thing: T) => void;
 }
 
 export class Handles<T> {
@@ -36,6 +37,7 @@ export class Handles<T> {
     canvas.addEventListener("pointermove", (e) => this.#onMove(e), options);
     canvas.addEventListener("pointerup", (e) => this.#onUp(e), options);
     canvas.addEventListener("pointercancel", (e) => this.#onUp(e), options);
+    addEventListener("keydown", (e) => this.#onKey(e), { ...options, capture: true });
     canvas.addEventListener("pointerleave", () => this.#setHover(null), options);
   }
 
@@ -59,7 +61,7 @@ export class Handles<T> {
     this.#down = { thing, others: things, id: event.pointerId, x: event.clientX, y: event.clientY, hasMoved: false };
     this.#viewport.controls.enabled = false;
     this.#viewport.canvas.setPointerCapture(event.pointerId);
-    this.#listener.grab(thing, event.clientX, event.clientY);
+    this.#listener.grab(thing);
   }
 
   #onMove(event: PointerEvent): void {
@@ -87,9 +89,19 @@ export class Handles<T> {
       const at = down.others.findIndex((t) => this.#listener.same(t, down.thing));
       const next = down.others[(at + 1) % down.others.length]!;
       this.#last = next;
-      this.#listener.grab(next, down.x, down.y);
+      this.#listener.grab(next);
       this.#listener.drop(next, false);
     }
+  }
+
+  #onKey(event: KeyboardEvent): void {
+    const down = this.#down;
+    if (event.key !== "Escape" || !down) return;
+    event.preventDefault();
+    event.stopPropagation();
+    this.#down = null;
+    this.#viewport.controls.enabled = true;
+    if (down.hasMoved) this.#listener.cancel(down.thing);
   }
 
   #setHover(at: { x: number; y: number } | null): void {

@@ -1,6 +1,8 @@
 // The streamline workspace: a grid of unit tangents, and the surface that they integrate to.
 
 import { useEffect, useRef } from "preact/hooks";
+import { MODELS } from "../gallery";
+import { Welcome } from "../panels/dialogs";
 import type { Studio } from "../studio";
 import type { Workspace } from "../workspace";
 import { commands } from "./commands";
@@ -50,6 +52,15 @@ function StreamWorkspace({ session }: { session: StreamSession }) {
       <div class="over-view">
         <Legend session={session} />
       </div>
+      {session.patches.value.length === 0 && (
+        <Welcome
+          studio={session.studio}
+          samples={MODELS}
+          title="Surfaces from directions."
+          says="Open a model of streamlines, drop one anywhere, or begin with one of these."
+          onClose={null}
+        />
+      )}
       {session.busy.value && <div class="working" aria-hidden="true" />}
     </main>
   );

@@ -138,7 +138,22 @@ export function tangentOf(model: unknown, index: number, { row, column }: Place)
 export function withTangent(model: unknown, index: number, { row, column }: Place, tangent: Triple): unknown {
   const patch = patchesOf(model)[index];
   if (!patch) return model;
-  return withPatch(model, index, { tangents: replaced(patch.tangents, row, replaced(patch.tangents[row]!, column, tangent)) });
+  const line = replaced(patch.tangents[row]!, column, tangent);
+  return withPatch(model, index, { tangents: replaced(patch.tangents, row, line) });
+}
+
+/**
+ * Where the tangent at a place of a patch is decided: stitched patches take their first streamline from the one
+ * before. Null for the second streamline of patches that go on smoothly, which follows from those.
+ */
+export function ownerOf(model: unknown, patch: number, place: Place): { patch: number; place: Place } | null {
+  const stitch = stitchOf(model);
+  if (stitch === false || patch === 0) return { patch, place };
+  if (place.row === 1 && stitch === "smooth") return null;
+  if (place.row > 0) return { patch, place };
+  const before = patchesOf(model)[patch - 1];
+  if (!before) return { patch, place };
+  return ownerOf(model, patch - 1, { row: before.tangents.length - 1, column: place.column });
 }
 
 export function replaced<T>(list: readonly T[], index: number, value: T): T[] {
@@ -280,7 +295,8 @@ export function withRowDeleted(initial: Initial, index: number): Initial {
 function between(t: readonly number[], index: number): number[] {
   const isLast = index === t.length - 1;
   const [a, b] = isLast ? [t[index - 1] ?? 0, t[index]!] : [t[index]!, t[index + 1]!];
-  return isLast ? [...t.slice(0, -1), (a + b) / 2, b] : [...t.slice(0, index + 1), (a + b) / 2, ...t.slice(index + 1)];
+  const at = isLast ? index : index + 1;
+  return [...t.slice(0, at), (a + b) / 2, ...t.slice(at)];
 }
 
 function withoutKnots<T extends Bspline | Nurbs>(curve: T): T {
@@ -317,7 +333,7 @@ export function converted(
       return { type, points, weights: points.map(() => 1), degree: own, t0, t1, ...knotsOf(initial) };
     case "qi": {
       // The legs of the polygon; a QI curve takes no more from its tangents than their directions.
-      const legs = points.slice(1).map((p, i): Triple => [p[0] - points[i]![0], p[1] - points[i]![1], p[2] - points[i]![2]]);
+      const legs = points.slice(1).map((p, i) => p.map((x, axis) => x - points[i]![axis]!) as Triple);
       const tangents = legs.filter((leg) => leg.some((x) => x !== 0));
       const length = tangents.reduce((sum, leg) => sum + Math.hypot(...leg), 0);
       if (tangents.length === 0) tangents.push([1, 0, 0]);

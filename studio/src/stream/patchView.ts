@@ -4,6 +4,7 @@ import * as THREE from "three";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
+import { MeshBVH } from "three-mesh-bvh";
 import type { Colouring, PatchGeometry, PatchInfo, Values } from "../kernel/api";
 import { FINISH, lineMaterial, RAMP_TEXTURES, surfaceMaterial } from "../scene/materials";
 import { Skin, type Palette } from "../scene/meshView";
@@ -22,12 +23,18 @@ export class PatchView {
     fine: lineMaterial(0.28, 5e-5),
     wire: lineMaterial(0.3, 5e-5),
     combs: lineMaterial(0.75, 1e-4),
-    chosen: new LineMaterial({ linewidth: 3.5, polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -4 }),
+    chosen: new LineMaterial({
+      linewidth: 3.5,
+      polygonOffset: true,
+      polygonOffsetFactor: -2,
+      polygonOffsetUnits: -4,
+    }),
   };
   readonly #surface = new THREE.Mesh(new THREE.BufferGeometry(), this.#materials.surface);
   readonly #lines: Record<LineName, THREE.LineSegments>;
   readonly #chosen = new LineSegments2(new LineSegmentsGeometry(), this.#materials.chosen);
   #skin: Skin | null = null;
+  #tree: { skin: Skin; version: number; bvh: MeshBVH } | null = null;
   #geometry: PatchGeometry | null = null;
   #info: PatchInfo | null = null;
   /** What the lines were made for; the same grid keeps them. */
@@ -54,8 +61,18 @@ export class PatchView {
     for (const material of Object.values(this.#materials)) material.dispose();
   }
 
-  get skin(): Skin | null {
-    return this.#skin;
+  /** Whether a ray meets the surface before it has gone so far. */
+  hides(ray: THREE.Ray, way: number): boolean {
+    const skin = this.#skin;
+    if (!skin) return false;
+    if (this.#tree?.skin !== skin) {
+      this.#tree = { skin, version: skin.version, bvh: new MeshBVH(skin.geometry, { indirect: true }) };
+    } else if (this.#tree.version !== skin.version) {
+      this.#tree.bvh.refit();
+      this.#tree.version = skin.version;
+    }
+    const hit = this.#tree.bvh.raycastFirst(ray, THREE.DoubleSide);
+    return hit !== null && hit.distance < way;
   }
 
   setPalette(palette: Palette): void {

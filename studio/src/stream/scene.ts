@@ -11,13 +11,16 @@ import { look } from "../theme";
 import { Arrows, tangentPaletteOf } from "./arrows";
 import { directionAt, Handles, REACH } from "./handles";
 import { alongColumns, segments } from "./lines";
-import { fineLine, handlesOf, type Place } from "./model";
+import { fineLine, handlesOf, type Initial, type Place } from "./model";
 import { PatchView } from "./patchView";
 import { ARC_STEPS, type StreamSession } from "./session";
-import { Sphere } from "./sphere";
+import { Sphere, type Marks } from "./sphere";
 
 /** What can be dragged in the scene: the tip of a tangent, or a point of the initial curve. */
 type Thing = { kind: "tangent"; index: number } | { kind: "initial"; index: number };
+
+/** The box around the sphere and its labels. */
+const BALL = new THREE.Vector3(1.45, 1.45, 1.45);
 
 /** Length of an arrow, relative to the radius of the model. */
 const ARROW = 0.15;
@@ -61,7 +64,10 @@ export class StreamScene {
   readonly #arrows = new Arrows();
   readonly #initial = {
     points: new THREE.Points(new THREE.BufferGeometry(), pointMaterial(11, 9e-4)),
-    polygon: new THREE.Line(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ transparent: true, opacity: 0.7 })),
+    polygon: new THREE.Line(
+      new THREE.BufferGeometry(),
+      new THREE.LineBasicMaterial({ transparent: true, opacity: 0.7 }),
+    ),
     curve: new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial()),
   };
   #patches: PatchView[] = [];
@@ -80,8 +86,7 @@ export class StreamScene {
     this.#main = new Viewport(main, "The surface with its tangents");
     this.#ball = new Viewport(ball, "The Gaussian sphere with the tangents as points");
     this.#ball.scene.add(this.#sphere.root);
-    const reach = 1.25 / Math.sqrt(3);
-    this.#ball.setBounds(new THREE.Box3(new THREE.Vector3(-reach, -reach, -reach), new THREE.Vector3(reach, reach, reach)));
+    this.#ball.setBounds(new THREE.Box3().setFromCenterAndSize(new THREE.Vector3(), BALL));
     this.#main.scene.add(this.#arrows.root, ...Object.values(this.#initial));
     this.#arrows.root.renderOrder = 20;
     for (const object of Object.values(this.#initial)) {
@@ -111,15 +116,17 @@ export class StreamScene {
         at: (x, y) => this.#thingsAt(x, y),
         same: sameThing,
         hover: (thing) => this.#hover(thing?.kind === "tangent" ? thing.index : null),
-        grab: (thing, x, y) => this.#grab(thing, x, y),
+        grab: (thing) => this.#grab(thing),
         drag: (thing, x, y, event) => this.#drag(thing, x, y, event.shiftKey),
         drop: () => session.seal(),
+        cancel: () => session.cancelDrag(),
       }),
       ball: new Handles<number>(this.#ball, {
         at: (x, y) => this.#marksAt(x, y),
         same: (a, b) => a === b,
         hover: (index) => this.#hover(index),
         grab: (index) => {
+          session.beginDrag();
           session.select(this.#placeOf(index));
           this.#isFar = this.#facing(this.#tangent(index), this.#ball) < 0;
         },
@@ -129,6 +136,7 @@ export class StreamScene {
           session.setTangent(direction.toArray(), this.#placeOf(index));
         },
         drop: () => session.seal(),
+        cancel: () => session.cancelDrag(),
       }),
     };
 
@@ -225,7 +233,7 @@ export class StreamScene {
     const style = getComputedStyle(ball);
     const of = (name: string) => style.getPropertyValue(name).trim() || "#888888";
     const pixels = this.#ball.renderer.getPixelRatio();
-    this.#sphere.setPalette(tangents, of("--scene-ball"), of("--scene-curve"), pixels);
+    this.#sphere.setPalette(tangents, of("--scene-ball"), of("--scene-meridian"), of("--scene-curve"), pixels);
     const { points, polygon, curve } = this.#initial;
     (points.material.uniforms["colour"]!.value as THREE.Color).set(palette.control);
     (points.material.uniforms["ring"]!.value as THREE.Color).set(palette.ring);
@@ -283,7 +291,10 @@ export class StreamScene {
     const old = this.#framed;
     this.#session.size.value = now.radius;
     const isElsewhere =
-      !old || now.radius > 1.6 * old.radius || old.radius > 1.6 * now.radius || now.center.distanceTo(old.center) > old.radius;
+      !old ||
+      now.radius > 1.6 * old.radius ||
+      old.radius > 1.6 * now.radius ||
+      now.center.distanceTo(old.center) > old.radius;
     if (!isElsewhere) return;
     this.#framed = now;
     const camera = this.#session.pendingCamera;
@@ -324,7 +335,7 @@ export class StreamScene {
     const place = session.place.value;
     const hovered = this.#hovered();
     if (!control) {
-      this.#sphere.setMarks({ tangents: new Float32Array(0), indices: [], columnCount: 1, selected: -1, hovered: -1 });
+      this.#sphere.setMarks(NO_MARKS);
     } else {
       const { columnCount, tangents } = control;
       const indices = this.#shownIndices();
@@ -399,8 +410,9 @@ export class StreamScene {
         object.geometry = new THREE.BufferGeometry().setFromPoints(places);
       }
       // The curve itself is a line of the surface where the streamlines begin or end on it.
-      const column = patch.s0 === "max" ? (geometry?.columnCount ?? 1) - 1 : patch.s0 === undefined || patch.s0 === "min" ? 0 : null;
-      if (geometry && column !== null) {
+      const { s0 = "min" } = patch;
+      if (geometry && (s0 === "min" || s0 === "max")) {
+        const column = s0 === "min" ? 0 : geometry.columnCount - 1;
         curve.visible = true;
         curve.geometry.dispose();
         curve.geometry = new THREE.BufferGeometry();
@@ -492,8 +504,18 @@ export class StreamScene {
         found.push({ thing: { kind: "tangent", index }, away: Math.min(onTip, onHead + 4) });
       }
     }
+    const eye = this.#main.camera.position;
+    const isHidden = ({ kind, index }: Thing) => {
+      if (kind === "initial") return false;
+      const tip = this.#arrows.tipOf(index);
+      const way = tip.distanceTo(eye) - 0.5 * this.#arrows.length;
+      const ray = new THREE.Ray(eye, tip.sub(eye).normalize());
+      return stream.surface && this.#patches.some((view) => view.hides(ray, way));
+    };
+    // What the surface hides gives way to what is seen.
     return found
       .filter(({ away }) => away < REACH)
+      .map(({ thing, away }) => ({ thing, away: away + (isHidden(thing) ? REACH : 0) }))
       .sort((a, b) => a.away - b.away)
       .map(({ thing }) => thing);
   }
@@ -503,12 +525,12 @@ export class StreamScene {
     session.hovered.value = index === null ? null : { patch: session.patch.peek(), ...this.#placeOf(index) };
   }
 
-  #grab(thing: Thing, x: number, y: number): void {
+  #grab(thing: Thing): void {
+    this.#session.beginDrag();
     if (thing.kind === "initial") {
       const place = new THREE.Vector3(...handlesOf(this.#session.current.peek()!.initial)[thing.index]!);
       const eye = this.#main.camera.getWorldDirection(new THREE.Vector3());
       this.#plane.setFromNormalAndCoplanarPoint(eye, place);
-      void [x, y];
       return;
     }
     this.#session.select(this.#placeOf(thing.index));
@@ -540,4 +562,5 @@ export class StreamScene {
   }
 }
 
-const NO_CURVE = { type: "polyline", points: [], t: [] } as const satisfies { type: string; points: never[]; t: never[] };
+const NO_MARKS: Marks = { tangents: new Float32Array(0), indices: [], columnCount: 1, selected: -1, hovered: -1 };
+const NO_CURVE: Initial = { type: "polyline", points: [], t: [] };

@@ -20,7 +20,7 @@ import type {
 } from "../kernel/api";
 import { problemOf } from "../kernel/problem";
 import { timed } from "../perf";
-import type { Source } from "../state/document";
+import type { Document, Source } from "../state/document";
 import type { Camera } from "../state/project";
 import { change, settings } from "../state/settings";
 import type { Studio } from "../studio";
@@ -30,7 +30,9 @@ import {
   detailAt,
   fineLine,
   nameOf,
+  ownerOf,
   patchesOf,
+  stitchOf,
   tangentOf,
   withHandle,
   withoutDetails,
@@ -105,8 +107,15 @@ export class StreamSession {
     const fine = this.#fine.value;
     return fine?.patch === this.patch.value && fine.level === level ? fine.grid : null;
   });
+  /** Where the selected tangent is decided; null if it follows from others. */
+  readonly owner = computed(() =>
+    this.level.value > 0
+      ? { patch: this.patch.value, place: this.place.value }
+      : ownerOf(this.model.value, this.patch.value, this.place.value),
+  );
   readonly tangent = computed<Triple | null>(() => {
-    if (this.level.value === 0) return tangentOf(this.model.value, this.patch.value, this.place.value);
+    const owner = this.owner.value;
+    if (this.level.value === 0 && owner) return tangentOf(this.model.value, owner.patch, owner.place);
     const [control, { row, column }] = [this.control.value, this.place.value];
     if (!control || row >= control.rowCount || column >= control.columnCount) return null;
     return tripleAt(control.tangents, row * control.columnCount + column);
@@ -139,6 +148,8 @@ export class StreamSession {
   #move: Move | null = null;
   /** The tangent that a slide began with, so that its steps do not add up. */
   #base: Triple | null = null;
+  /** The document when a drag began. */
+  #dragged: Document | null = null;
   #running: Promise<void> | null = null;
   /** What the things beside the surface were made from. */
   #arcsOf: unknown = null;
@@ -273,7 +284,8 @@ export class StreamSession {
   /** Moves a point of the initial curve. */
   moveInitial(index: number, place: Triple): void {
     const patch = this.current.peek();
-    if (patch) this.change({ initial: withHandle(patch.initial, index, place) }, "Move the initial curve", `initial ${index}`);
+    if (!patch) return;
+    this.change({ initial: withHandle(patch.initial, index, place) }, "Move the initial curve", `initial ${index}`);
   }
 
   /** Changes fields that all patches share. */
@@ -311,6 +323,22 @@ export class StreamSession {
   /** Sets a tangent; while the kernel works, only the last wish counts. */
   setTangent(to: Triple, place = this.place.peek(), patch = this.patch.peek()): void {
     this.#want({ patch, level: this.level.peek(), place, to: () => to });
+  }
+
+  /** Begins a drag, which may be cancelled. */
+  beginDrag(): void {
+    this.#dragged = this.studio.history.present.peek();
+  }
+
+  /** Takes back what has been dragged since. */
+  cancelDrag(): void {
+    this.#move = null;
+    const before = this.#dragged;
+    void this.idle().then(() => {
+      this.#base = null;
+      this.#predicted = null;
+      if (before !== this.studio.history.present.peek()) this.studio.undo();
+    });
   }
 
   /** Works on tangents of another level, at the place of the same share of the grid. */
@@ -388,15 +416,24 @@ export class StreamSession {
     const at = kind.endsWith("row") ? row : column;
     // Inserted between two; there is nothing before the first.
     const index = kind.startsWith("insert") ? Math.max(1, at) : at;
-    await this.edit({ kind, patch: this.patch.peek(), index }, label);
+    const patch = this.patch.peek();
+    // Stitched patches have as many tangents on every streamline.
+    const isShared = kind.endsWith("column") && stitchOf(this.model.peek()) !== false;
+    const patches = isShared ? [...this.patches.peek().keys()] : [patch];
+    await this.#edit(patches.map((p) => ({ kind, patch: p, index })), label);
   }
 
   /** Changes the structure by the kernel. */
-  async edit(change: ModelChange, label: string): Promise<void> {
+  edit(change: ModelChange, label: string): Promise<void> {
+    return this.#edit([change], label);
+  }
+
+  async #edit(changes: readonly ModelChange[], label: string): Promise<void> {
     try {
       await this.idle();
       const before = this.model.peek();
-      const model = await this.kernel.edit(before, change);
+      let model = before;
+      for (const change of changes) model = await this.kernel.edit(model, change);
       if (this.model.peek() === before) this.commit(model, label);
       announce(label);
     } catch (error) {
@@ -407,7 +444,12 @@ export class StreamSession {
   // -------------------------------------------------------------- the kernel
 
   #want(move: Move): void {
-    this.#move = move;
+    const owner = move.level > 0 ? move : ownerOf(this.model.peek(), move.patch, move.place);
+    if (!owner) {
+      announce("This streamline goes on smoothly from the patch before: turn the tangents there");
+      return;
+    }
+    this.#move = { ...move, patch: owner.patch, place: owner.place };
     this.#start();
   }
 
@@ -580,9 +622,8 @@ export class StreamSession {
       return;
     }
     const geometry = await timed("drag", this.kernel.setTangent(patch, place.row, place.column, tangent));
-    const isStitched = this.patches.peek().length > 1 && (before as { stitch?: unknown }).stitch;
     const geometries = this.geometries.peek().map((old, i) => (i === patch ? geometry : old));
-    if (isStitched) {
+    if (stitchOf(before) !== false) {
       for (const i of geometries.keys()) if (i !== patch) geometries[i] = await this.kernel.patch(i);
     }
     // Something else may have changed the document meanwhile; then the loop sends that.

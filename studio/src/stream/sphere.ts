@@ -4,7 +4,7 @@ import * as THREE from "three";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
-import { ringColour, shapeOf, sizeOf, type TangentPalette } from "./arrows";
+import { colourOf, ringColour, shapeOf, sizeOf, type TangentPalette } from "./arrows";
 
 /** Everything on the sphere is drawn a little outside, so that what veils the far side lies below it. */
 const LIFT = 1.004;
@@ -156,14 +156,14 @@ export class Sphere {
     }
   }
 
-  setPalette(palette: TangentPalette, ball: string, curve: string, pixels: number): void {
+  setPalette(palette: TangentPalette, ball: string, meridian: string, curve: string, pixels: number): void {
     this.#palette = palette;
     const paint = (material: THREE.ShaderMaterial, name: string, colour: string) =>
       (material.uniforms[name]!.value as THREE.Color).set(colour);
     paint(this.#ball.material, "colour", ball);
-    paint(this.#ball.material, "ink", palette.ink);
-    paint(this.#grid.material, "colour", palette.ink);
-    paint(this.#arcs.material, "colour", palette.ink);
+    paint(this.#ball.material, "ink", meridian);
+    paint(this.#grid.material, "colour", meridian);
+    paint(this.#arcs.material, "colour", meridian);
     paint(this.#points.material, "ink", palette.ink);
     this.#points.material.uniforms["pixels"]!.value = pixels;
     this.#curves.material.color.set(curve);
@@ -215,7 +215,7 @@ export class Sphere {
       const column = index % columnCount;
       position.set(tangents.subarray(3 * index, 3 * index + 3), 3 * i);
       colour
-        .set(index === selected ? palette.selected : index === hovered ? palette.hover : column === 0 ? palette.first : palette.other)
+        .set(colourOf(palette, index === selected, index === hovered, column))
         .toArray(fill, 3 * i);
       ringColour(column, columnCount, colour).toArray(ring, 3 * i);
       form.set([POINT_SIZE * sizeOf(column) * (isMarked(index) ? 1.3 : 1), shapeOf(column)], 2 * i);

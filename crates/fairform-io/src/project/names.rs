@@ -35,7 +35,6 @@ macro_rules! named {
             use super::{Deserialize, Deserializer, Error, Serializer};
             use fairform::$type;
 
-            #[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde asks for it")]
             pub(crate) fn serialize<S: Serializer>(
                 value: &$type,
                 out: S,

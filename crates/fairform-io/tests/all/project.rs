@@ -90,8 +90,12 @@ fn mesh_part() -> impl Strategy<Value = MeshPart> {
 
 fn camera() -> impl Strategy<Value = Camera> {
     let triple = || [number(), number(), number()];
-    (triple(), triple(), triple(), number())
-        .prop_map(|(position, target, up, zoom)| Camera { position, target, up, zoom })
+    (triple(), triple(), triple(), number()).prop_map(|(position, target, up, zoom)| Camera {
+        position,
+        target,
+        up,
+        zoom,
+    })
 }
 
 proptest! {

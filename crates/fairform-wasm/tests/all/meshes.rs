@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use fairform::interpolate::Method;
-use fairform::{Corners, Scheme, Vec3, limit, shapes};
+use fairform::{Corners, Scheme, Vec3, shapes};
 use fairform_io::project::{Design, Fineness};
 use fairform_io::{Format, parse};
 use fairform_wasm::{Colouring, MeshSession, Query, What};
@@ -303,5 +303,36 @@ fn what_is_saved_opens_again() {
             let expected = saved(&session, what);
             assert_eq!(data.faces.len(), expected.faces.len(), "{format} {what:?}");
         }
+    }
+}
+
+/// Colours and texture coordinates are met at the vertices, labels are those of the faces.
+#[test]
+fn attributes_travel_along() {
+    let text = b"mtllib c.mtl\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0.3 0 0 1\nv 0 1 0 1 1 0\n\
+        v 2 0 0 0 1 1\nv 2 1 0 1 0 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\ng lid\nusemtl red\n\
+        f 1/1 2/2 3/3 4/4\ng rim\nf 2/1 5/2 6/3 3/4\n";
+    let given = parse(text, Format::Obj).unwrap();
+    for exact in [false, true] {
+        let mut session = MeshSession::open::<&str>(text, "two.obj", &[]).unwrap();
+        let scheme = Scheme::CatmullClark;
+        fit(&mut session, &Design { scheme, exact, tolerance: 1e-9, ..Design::default() });
+        for levels in [1, 2] {
+            session.surface(Fineness { levels, limit: true }, None).unwrap();
+            let surface = saved(&session, What::Surface);
+            let colours = surface.colours.unwrap();
+            for (a, b) in colours.iter().zip(given.colours.as_ref().unwrap()) {
+                assert!(a.iter().zip(b).all(|(x, y)| (x - y).abs() < 1e-8), "{a:?} {b:?}");
+            }
+            let groups = surface.groups.unwrap();
+            let names = groups.of_face.iter().map(|&i| groups.names[i as usize].as_str());
+            let each = 4_usize.pow(levels);
+            assert_eq!(names.filter(|name| *name == "rim").count(), each);
+            assert_eq!(surface.corner_uvs.unwrap().len(), 2 * each * 4);
+            assert_eq!(surface.material_library.as_deref(), Some("c.mtl"));
+        }
+        let control = saved(&session, What::Control);
+        assert_eq!(control.colours.unwrap().len(), control.positions.len());
+        assert_eq!(control.corner_uvs.unwrap().len(), control.faces.corners().len());
     }
 }

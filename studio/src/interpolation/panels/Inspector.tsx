@@ -1,7 +1,7 @@
 // The panel on the right: everything about the mesh and its surface, in the order in which one meets it.
 
 import { useState } from "preact/hooks";
-import type { Design, Fineness, Method, Scheme, Triple } from "../../kernel/api";
+import type { Design, Fineness, Method, Scheme } from "../../kernel/api";
 import { problemOf } from "../../kernel/problem";
 import { ActionButton, Button, Choice, NumberField, Section, Segmented, Slider, Switch } from "../../panels/controls";
 import { change, settings, show } from "../../state/settings";
@@ -71,6 +71,17 @@ export function Inspector({ session }: { session: Session }) {
 function Trouble({ session }: { session: Session }) {
   const pipeline = session.pipeline.value;
   const trouble = pipeline.trouble.value;
+  if (pipeline.stopped.value) {
+    return (
+      <div class="trouble" role="alert" data-testid="stopped">
+        <strong>The fit was stopped.</strong>
+        <p>What you see belongs to the settings before.</p>
+        <Button onClick={() => pipeline.retry()} testid="retry">
+          Fit again
+        </Button>
+      </div>
+    );
+  }
   if (!trouble) return null;
   return (
     <div class="trouble" role="alert" data-testid="trouble">
@@ -447,7 +458,8 @@ function TensionSection({ session, design }: { session: Session; design: Design 
         max={12}
         step={0.25}
         unit="edges"
-        onInput={(value) => void (session.falloff.value = value)}
+        onInput={(value) => session.setFalloff(value)}
+        onEnd={() => session.seal()}
       />
       <Switch
         label="Heat map of the tension"
@@ -467,12 +479,6 @@ function VertexSection({ session }: { session: Session }) {
   const mesh = session.mesh.value!;
   const first = mesh.vertices[0];
   const place = first === undefined ? null : session.placeOf(first);
-  const type = (axis: number, value: number) => {
-    if (!place) return;
-    const offset: Triple = [0, 0, 0];
-    offset[axis as 0 | 1 | 2] = value - place[axis]!;
-    session.nudge(offset);
-  };
   return (
     <Section title="Vertices" id="vertices">
       {place ? (
@@ -483,13 +489,13 @@ function VertexSection({ session }: { session: Session }) {
               : `Vertex ${first}, and ${mesh.vertices.length - 1} that move with it`}
           </p>
           <div class="triple">
-            {["x", "y", "z"].map((axis, i) => (
+            {(["x", "y", "z"] as const).map((axis, i) => (
               <NumberField
                 key={`${axis}${first}`}
                 label={axis}
                 testid={`vertex-${axis}`}
                 value={place[i]!}
-                onCommit={(value) => type(i, value)}
+                onCommit={(value) => session.typeCoordinate(i as 0 | 1 | 2, value)}
               />
             ))}
           </div>

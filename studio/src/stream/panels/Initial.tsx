@@ -91,6 +91,7 @@ export function InitialSection({ session, patch }: { session: StreamSession; pat
   const set = (next: Initial, label = "Initial curve", key: string | null = null) =>
     session.change({ initial: next }, label, key);
   const count = rows.length;
+  const title = initial.type === "qi" ? "Tangents" : "Points";
   return (
     <Section title="Initial curve" id="initial">
       <Switch
@@ -104,7 +105,9 @@ export function InitialSection({ session, patch }: { session: StreamSession; pat
         testid="initial-type"
         value={initial.type}
         options={TYPES}
-        onChange={(type) => set(converted(initial, type, session.startPlaces(), patch.t), "Kind of the initial curve")}
+        onChange={(type) => {
+          set(converted(initial, type, session.startPlaces(), patch.t), "Kind of the initial curve");
+        }}
       />
       {(initial.type === "bspline" || initial.type === "nurbs") && (
         <NumberField
@@ -155,8 +158,8 @@ export function InitialSection({ session, patch }: { session: StreamSession; pat
           />
         </>
       )}
-      <div class="points" role="group" aria-label={initial.type === "qi" ? "Tangents" : "Points"} data-testid="initial-points">
-        <span class="points-title">{initial.type === "qi" ? "Tangents" : "Points"}</span>
+      <div class="points" role="group" aria-label={title} data-testid="initial-points">
+        <span class="points-title">{title}</span>
         {rows.map((row, i) => (
           <div class="points-row" key={i}>
             <Row
@@ -218,7 +221,7 @@ function Row(props: { label: string; testid: string; value: Triple; onChange: (v
           hideLabel
           testid={`${props.testid}-${axis}`}
           value={props.value[i]!}
-          format={(x) => String(+x.toPrecision(5))}
+          format={(x) => String(+x.toPrecision(4))}
           onCommit={(x) => props.onChange(replaced(props.value, i, x) as Triple)}
         />
       ))}

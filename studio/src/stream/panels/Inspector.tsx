@@ -137,6 +137,10 @@ function TangentSection({ session }: { session: StreamSession }) {
   const info = session.infos.value[session.patch.value];
   const control = session.control.value;
   const level = session.level.value;
+  const levels = Array.from(
+    { length: Math.min(info?.depth ?? 0, 6) + 1 },
+    (_, i) => [String(i), i === 0 ? "Model" : String(i)] as const,
+  );
   const details = session.current.value?.details ?? [];
   const [axisName, setAxisName] = useState<AxisName>("y");
   const [degrees, setDegrees] = useState(0);
@@ -149,7 +153,7 @@ function TangentSection({ session }: { session: StreamSession }) {
           label="Level of refinement"
           testid="level"
           value={String(level)}
-          options={Array.from({ length: Math.min(info.depth, 6) + 1 }, (_, i) => [String(i), i === 0 ? "Model" : String(i)] as const)}
+          options={levels}
           onChange={(value) => session.setLevel(Number(value))}
         />
       )}
@@ -165,25 +169,43 @@ function TangentSection({ session }: { session: StreamSession }) {
           </Button>
         </div>
       )}
+      {session.owner.value === null && (
+        <p class="hint" data-testid="follows">
+          This streamline goes on smoothly from the patch before, and follows what is turned there.
+        </p>
+      )}
       <div class="place">
-        <Stepper label="Streamline" testid="row" value={row} count={control?.rowCount ?? 1} onChange={(r) => session.select({ row: r, column })} />
-        <Stepper label="Tangent" testid="column" value={column} count={control?.columnCount ?? 1} onChange={(c) => session.select({ row, column: c })} />
+        <Stepper
+          label="Streamline"
+          testid="row"
+          value={row}
+          count={control?.rowCount ?? 1}
+          onChange={(next) => session.select({ row: next, column })}
+        />
+        <Stepper
+          label="Tangent"
+          testid="column"
+          value={column}
+          count={control?.columnCount ?? 1}
+          onChange={(next) => session.select({ row, column: next })}
+        />
       </div>
       <div class="components">
-      {(["x", "y", "z"] as const).map((name, i) => (
-        <Slider
-          key={name}
-          label={name}
-          testid={`tangent-${name}`}
-          value={tangent[i]!}
-          min={-1}
-          max={1}
-          step={0.001}
-          format={(x) => x.toFixed(3)}
-          onInput={(value) => session.setComponent(i as 0 | 1 | 2, value)}
-          onEnd={() => session.seal()}
-        />
-      ))}
+        {(["x", "y", "z"] as const).map((name, i) => (
+          <Slider
+            key={name}
+            label={name}
+            testid={`tangent-${name}`}
+            value={tangent[i]!}
+            min={-1}
+            max={1}
+            step={0.001}
+            format={(x) => x.toFixed(3)}
+            disabled={session.owner.value === null}
+            onInput={(value) => session.setComponent(i as 0 | 1 | 2, value)}
+            onEnd={() => session.seal()}
+          />
+        ))}
       </div>
       <Segmented
         label="Turn about"
@@ -240,12 +262,23 @@ function TangentSection({ session }: { session: StreamSession }) {
 }
 
 /** A number from 1 to `count`, with buttons for the one before and the next. */
-function Stepper(props: { label: string; testid: string; value: number; count: number; onChange: (value: number) => void }) {
+function Stepper(props: {
+  label: string;
+  testid: string;
+  value: number;
+  count: number;
+  onChange: (value: number) => void;
+}) {
   const { label, testid, value, count, onChange } = props;
   return (
     <div class="stepper" role="group" aria-label={label}>
       <span>{label}</span>
-      <Button onClick={() => onChange(value - 1)} disabled={value <= 0} testid={`${testid}-less`} title={`${label} before`}>
+      <Button
+        onClick={() => onChange(value - 1)}
+        disabled={value <= 0}
+        testid={`${testid}-less`}
+        title={`${label} before`}
+      >
         ‹
       </Button>
       <select
@@ -260,7 +293,12 @@ function Stepper(props: { label: string; testid: string; value: number; count: n
           </option>
         ))}
       </select>
-      <Button onClick={() => onChange(value + 1)} disabled={value >= count - 1} testid={`${testid}-more`} title={`Next ${label.toLowerCase()}`}>
+      <Button
+        onClick={() => onChange(value + 1)}
+        disabled={value >= count - 1}
+        testid={`${testid}-more`}
+        title={`Next ${label.toLowerCase()}`}
+      >
         ›
       </Button>
     </div>
@@ -276,7 +314,13 @@ function RefinementSection({ session, patch }: { session: StreamSession; patch: 
   const scheme = first.scheme ?? "kobbelt";
   return (
     <Section title="Refinement" id="refinement" open>
-      <Choice label="Scheme" testid="scheme" value={scheme} options={SCHEMES} onChange={(s) => set({ scheme: s }, "Scheme")} />
+      <Choice
+        label="Scheme"
+        testid="scheme"
+        value={scheme}
+        options={SCHEMES}
+        onChange={(next) => set({ scheme: next }, "Scheme")}
+      />
       <Slider
         label="Depth"
         testid="depth"
@@ -381,9 +425,20 @@ function ShowSection({ session }: { session: StreamSession }) {
       />
       <div class="switches">
         {SWITCHES.map(([name, label]) => (
-          <Switch key={name} label={label} testid={`show-${name}`} on={stream[name]} onChange={(on) => showStream({ [name]: on })} />
+          <Switch
+            key={name}
+            label={label}
+            testid={`show-${name}`}
+            on={stream[name]}
+            onChange={(on) => showStream({ [name]: on })}
+          />
         ))}
-        <Switch label="Turn together" testid="show-linked" on={stream.linked} onChange={(linked) => showStream({ linked })} />
+        <Switch
+          label="Turn together"
+          testid="show-linked"
+          on={stream.linked}
+          onChange={(linked) => showStream({ linked })}
+        />
       </div>
       <Slider
         label="Length of the arrows"
