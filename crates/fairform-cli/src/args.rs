@@ -90,7 +90,7 @@ pub(crate) struct Studio {
 }
 
 /// Find the surface that passes through every vertex of a mesh.
-#[derive(clap::Args, Debug)]
+#[derive(clap::Args, Clone, Debug)]
 #[command(after_help = "Finds the control mesh whose limit surface interpolates, refines it, and \
     writes the result. Without IN, a sample is fitted, and a picture of mesh and surface is drawn \
     too.\n\nExamples:\n  \
@@ -113,9 +113,9 @@ pub(crate) struct Fit {
     #[command(flatten)]
     pub(crate) rules: RuleOptions,
     /// Solver; all have the same answer. `auto` is the fastest that is safe on any mesh, `plain` the
-    /// process as published.
-    #[arg(long, default_value_t = Method::Auto, value_name = "auto|plain|weighted|chebyshev|cg|one-pass")]
-    pub(crate) method: Method,
+    /// process as published [default: auto].
+    #[arg(long, value_name = "auto|plain|weighted|chebyshev|cg|one-pass")]
+    pub(crate) method: Option<Method>,
     /// Largest distance from a vertex to its limit point [default: 1e-6, unless --iterations is
     /// given].
     #[arg(long, value_name = "X", value_parser = positive)]
@@ -137,9 +137,9 @@ pub(crate) struct Fit {
     /// Make exactly so many updates, or with --tolerance at most so many.
     #[arg(long, value_name = "K")]
     pub(crate) iterations: Option<u32>,
-    /// Refinement steps of the surface; 0 writes the control mesh.
-    #[arg(long, default_value_t = 3, value_name = "N")]
-    pub(crate) levels: u32,
+    /// Refinement steps of the surface; 0 writes the control mesh [default: 3].
+    #[arg(long, value_name = "N")]
+    pub(crate) levels: Option<u32>,
     /// Move the refined vertices onto the limit surface, and write exact normals.
     #[arg(long)]
     pub(crate) limit: bool,
@@ -643,7 +643,7 @@ pub(crate) struct Input {
 }
 
 /// A mesh to read, or the sample.
-#[derive(clap::Args, Debug)]
+#[derive(clap::Args, Clone, Debug)]
 #[group(skip)]
 pub(crate) struct MaybeInput {
     /// The mesh to read; - is standard input. Without it, a sample.
@@ -655,7 +655,7 @@ pub(crate) struct MaybeInput {
 }
 
 /// How to write a mesh.
-#[derive(clap::Args, Debug)]
+#[derive(clap::Args, Clone, Debug)]
 pub(crate) struct Writing {
     /// Format of the output, if its name does not say: obj, off, ply, stl, gltf, glb.
     #[arg(long, value_name = "FORMAT")]
@@ -669,7 +669,7 @@ pub(crate) struct Writing {
 }
 
 /// Shape parameters of faces.
-#[derive(clap::Args, Debug)]
+#[derive(clap::Args, Clone, Debug)]
 pub(crate) struct TensionOptions {
     /// The first step in two phases, with a shape parameter per face: near 1 tight, around 0.5 round.
     /// From 0.5 to 1 for Loop and Catmull–Clark, above 0 for Doo–Sabin, which also knows auto. A
@@ -686,16 +686,23 @@ pub(crate) struct TensionOptions {
 }
 
 /// The subdivision scheme.
-#[derive(clap::Args, Debug)]
+#[derive(clap::Args, Clone, Debug)]
 pub(crate) struct SchemeOption {
     /// Subdivision scheme: loop for triangles, catmull-clark or doo-sabin for any polygons; butterfly
-    /// (triangles) and kobbelt (quadrilaterals) pass through the vertices by themselves.
-    #[arg(long, default_value_t = Scheme::Loop, value_name = "SCHEME")]
-    pub(crate) scheme: Scheme,
+    /// (triangles) and kobbelt (quadrilaterals) pass through the vertices by themselves [default: loop, or
+    /// what a project says].
+    #[arg(long, value_name = "SCHEME")]
+    pub(crate) scheme: Option<Scheme>,
+}
+
+impl SchemeOption {
+    pub(crate) fn chosen(&self) -> Scheme {
+        self.scheme.unwrap_or(Scheme::Loop)
+    }
 }
 
 /// The choices that schemes have; every command that knows schemes takes them all.
-#[derive(clap::Args, Debug)]
+#[derive(clap::Args, Clone, Debug)]
 pub(crate) struct RuleOptions {
     /// Boundary vertices with one face: rounded like others, or kept [default: smooth, unless the
     /// file says otherwise; for kobbelt sharp].

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::path::Path;
 
+use fairform_io::project::{self, MeshPart};
 use fairform_io::repair::Steps;
 use fairform_io::{Blocks, Error, Format, MeshData, Shape, WriteOptions};
 
@@ -64,6 +65,12 @@ pub(crate) fn is_json(path: &Path) -> bool {
 }
 
 pub(crate) fn read(source: &Source, console: &Console) -> Result<MeshData, Failure> {
+    if let Some(part) = project(source)? {
+        console.note(format!(
+            "note: {source}: its mesh as it was moved; `fairform fit` makes the surface that was designed"
+        ));
+        return data(&part, source, console);
+    }
     if is_dash(source.path) && source.format.is_none() {
         return Err(Failure::usage("standard input has no name that tells its format")
             .help("say it with --from obj, off, ply, stl, gltf or glb"));
@@ -81,9 +88,45 @@ pub(crate) fn read(source: &Source, console: &Console) -> Result<MeshData, Failu
         Failure { message, ..failure }
             .help(format!("fairform streamline {path} -o surface.obj makes a mesh of it"))
     })?;
+    tell_notes(&data, source, console);
+    Ok(data)
+}
+
+fn tell_notes(data: &MeshData, source: &Source, console: &Console) {
     for note in &data.notes {
         console.note(format!("note: {source}: {note}"));
     }
+}
+
+/// The mesh of a project of the studio, and what was decided about it; `None` for other files.
+pub(crate) fn project(source: &Source) -> Result<Option<MeshPart>, Failure> {
+    let name = source.path.file_name().map(|name| name.to_string_lossy().to_lowercase());
+    let is_project = |name: &String| name.trim_end_matches(".gz").ends_with(project::EXTENSION);
+    if source.format.is_some() || !name.as_ref().is_some_and(is_project) {
+        return Ok(None);
+    }
+    let bytes = std::fs::read(source.path)
+        .map_err(|e| Failure::new(format!("{source}: cannot read it: {e}")))?;
+    let project = project::parse(&bytes).map_err(|e| Failure::new(format!("{source}: {e}")))?;
+    let without = || Failure::new(format!("{source}: the project holds no mesh"));
+    match (project.mesh, project.model) {
+        (Some(part), _) => Ok(Some(part)),
+        (None, Some(_)) => Err(without().help(format!(
+            "it holds a streamline model: fairform streamline {} -o surface.obj",
+            quoted(&source.path.to_string_lossy())
+        ))),
+        (None, None) => Err(without()),
+    }
+}
+
+/// The mesh of a project, repaired and moved.
+pub(crate) fn data(
+    part: &MeshPart,
+    source: &Source,
+    console: &Console,
+) -> Result<MeshData, Failure> {
+    let data = part.data().map_err(|e| Failure::new(format!("{source}: {e}")))?;
+    tell_notes(&data, source, console);
     Ok(data)
 }
 

@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use fairform::select::{Context, Labels, Selection, blend, falloff};
 use fairform::{Border, Corners, Creases, Rules, Scheme};
+use fairform_io::project::{Design, MeshPart};
 use fairform_io::{CreaseList, InterpolateBoundary};
 use serde_json::Value;
 
-use crate::args::{BorderChoice, CornerChoice, RuleOptions, TensionOptions};
+use crate::args::{BorderChoice, CornerChoice, Fit, RuleOptions, TensionOptions};
 use crate::console::{Console, count};
 use crate::failure::Failure;
 use crate::surface::Surface;
@@ -21,6 +22,26 @@ pub(crate) fn set(
     console: &Console,
 ) -> Result<(), Failure> {
     choose(scheme, options, surface)?.iter().for_each(|note| console.note(note));
+    Ok(())
+}
+
+/// Gives a surface the rules of a project; the command line may choose another scheme, and no more.
+pub(crate) fn design(
+    part: &MeshPart,
+    args: &Fit,
+    surface: &mut Surface,
+    console: &Console,
+) -> Result<(), Failure> {
+    let tension = args.rules.tension.is_given().then_some("--lambda and --tension-where");
+    if let Some(name) = args.rules.made().or(tension) {
+        return Err(Failure::usage(format!("{name}: the project says that of its mesh"))
+            .help("change it in the studio, or save the mesh there and fit that"));
+    }
+    let design = Design { scheme: args.scheme.chosen(), ..part.design.clone() };
+    let at = |e| Failure::new(format!("the project's {e}"));
+    let (rules, notes) = design.rules(&surface.mesh, surface.creases.as_ref()).map_err(at)?;
+    notes.iter().for_each(|note| console.note(format!("note: {note}")));
+    surface.rules = rules;
     Ok(())
 }
 

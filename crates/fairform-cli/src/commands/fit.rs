@@ -9,6 +9,7 @@ use fairform::fair::Energy;
 use fairform::interpolate::{self, FitReport, Interpolator, Observer, Options, StageName};
 use fairform::solve::{Outcome, Step};
 use fairform::{Mesh, Rules, Topology};
+use fairform_io::project::MeshPart;
 use fairform_io::{Format, MeshData, repair};
 use fairform_render::{Body, Colour, Dot, Line, Panel, Series, View};
 use serde_json::{Value, json};
@@ -23,6 +24,8 @@ use crate::surface::{Finish, Made, Surface, check_memory};
 /// The sample that is fitted when there is no input.
 const SAMPLE: &[u8] = include_bytes!("../../../../data/sample/spot.obj");
 const SAMPLE_SURFACE: &str = "fairform-sample.ply";
+/// Refinement steps, if nobody says how many.
+const LEVELS: u32 = 3;
 const SAMPLE_PICTURE: &str = "fairform-sample.png";
 
 pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
@@ -40,18 +43,31 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
     progress.say("reading");
     let given = args.input.input.as_deref();
     let source = Source { path: given.unwrap_or(Path::new("the sample")), format: args.input.from };
-    let data = if given.is_some() { input::read(&source, console)? } else { sample()? };
+    let project = if given.is_some() { input::project(&source)? } else { None };
+    let data = match (&project, given) {
+        (Some(part), _) => input::data(part, &source, console)?,
+        (None, Some(_)) => input::read(&source, console)?,
+        (None, None) => sample()?,
+    };
     let mut target = Surface::new(data, &source)?;
     clock.lap("read");
-    rules::set(args.scheme.scheme, &args.rules, &mut target, console)?;
+    let args = &match &project {
+        Some(part) => as_designed(args, part),
+        None => args.clone(),
+    };
+    match &project {
+        Some(part) => rules::design(part, args, &mut target, console)?,
+        None => rules::set(args.scheme.chosen(), &args.rules, &mut target, console)?,
+    }
+    let levels = args.levels.unwrap_or(LEVELS);
     let finish = finish(args, &target);
     // The sample's surface is drawn too.
     let streams = |surface: &Surface, levels| {
         args.output.is_some() && surface.can_stream(levels, finish, &output, &args.writing)
     };
-    let stored = target.stored(args.levels, finish, streams(&target, args.levels));
-    check_memory(&target, args.levels, stored, &source)?;
-    target.warn_of_losses(args.levels, console);
+    let stored = target.stored(levels, finish, streams(&target, levels));
+    check_memory(&target, levels, stored, &source)?;
+    target.warn_of_losses(levels, console);
     target.warn_of_no_faces(&source, console);
     warn_of_seams(&target.mesh, &source, console);
 
@@ -72,12 +88,12 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
         fitted(&target, &options, &mut observe, &progress).map_err(at)?;
     clock.lap("solve");
 
-    let levels = args.levels.saturating_sub(level);
-    let tessellation = match streams(&control, levels) {
-        true => Some(control.tessellation(levels, finish).map_err(at)?),
+    let finer = levels.saturating_sub(level);
+    let tessellation = match streams(&control, finer) {
+        true => Some(control.tessellation(finer, finish).map_err(at)?),
         false => None,
     };
-    let made = control.made(levels, finish, tessellation.as_ref(), &progress).map_err(at)?;
+    let made = control.made(finer, finish, tessellation.as_ref(), &progress).map_err(at)?;
     clock.lap("refine");
 
     progress.say("writing");
@@ -103,6 +119,24 @@ pub(crate) fn run(args: &Fit, console: &Console) -> Result<ExitCode, Failure> {
     tell_of_level(args, level, singular, &report, console);
     console.result(&summary)?;
     Ok(if report.is_converged() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// What a project says, where the command line does not.
+fn as_designed(args: &Fit, part: &MeshPart) -> Fit {
+    let mut args = args.clone();
+    let design = &part.design;
+    let named = (args.tolerance, args.iterations);
+    if named == (None, None) {
+        args.tolerance = Some(design.tolerance);
+        args.iterations = Some(design.iterations);
+    }
+    args.scheme.scheme = args.scheme.scheme.or(Some(design.scheme));
+    args.method = args.method.or(Some(design.method));
+    args.fair = args.fair.or(design.fair);
+    args.exact |= design.exact;
+    args.levels = args.levels.or(Some(part.fineness.levels));
+    args.limit |= part.fineness.limit;
+    args
 }
 
 /// What is asked for of the surface.
@@ -170,7 +204,7 @@ fn sample() -> Result<MeshData, Failure> {
 fn options(args: &Fit) -> Options {
     let usual = Options::default();
     Options {
-        method: args.method,
+        method: args.method.unwrap_or_default(),
         norm: args.norm,
         // A count alone is to be made exactly.
         tolerance: match (args.tolerance, args.iterations) {
@@ -291,7 +325,7 @@ fn tell_of_level(args: &Fit, level: u32, singular: usize, report: &FitReport, co
             fairing.before, fairing.after, fairing.updates
         ));
     }
-    if args.levels == 0 {
+    if args.levels == Some(0) {
         console.note("note: so --levels 0 wrote the mesh of level 1");
     }
 }
@@ -329,7 +363,7 @@ fn summary(
         "norm": options.norm.name(),
         "unit": report.unit,
         "tolerance": options.tolerance,
-        "levels": args.levels,
+        "levels": args.levels.unwrap_or(LEVELS),
         "control_level": u32::from(report.pushed_back.is_some()),
         "pushed_back": report.pushed_back,
         "fair": options.fair,

@@ -21,7 +21,7 @@ pub(crate) fn run(args: &Limit, console: &Console) -> Result<ExitCode, Failure> 
     input::check_outputs(&[&args.output], console)?;
     let source = Source::from(&args.input);
     let mut surface = Surface::new(input::read(&source, console)?, &source)?;
-    rules::set(args.scheme.scheme, &args.rules, &mut surface, console)?;
+    rules::set(args.scheme.chosen(), &args.rules, &mut surface, console)?;
     let vertices = surface.mesh.positions().len();
     let at = |e| surface.failure(&source, &e);
     if as_json {

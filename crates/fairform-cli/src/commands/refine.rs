@@ -16,7 +16,7 @@ pub(crate) fn run(args: &Refine, console: &Console) -> Result<ExitCode, Failure>
     input::check_outputs(&[&args.output], console)?;
     let source = Source::from(&args.input);
     let mut surface = Surface::new(input::read(&source, console)?, &source)?;
-    rules::set(args.scheme.scheme, &args.rules, &mut surface, console)?;
+    rules::set(args.scheme.chosen(), &args.rules, &mut surface, console)?;
     surface.warn_of_no_faces(&source, console);
     if let Some(tolerance) = args.adaptive {
         let nearness = Nearness { tolerance, eye: args.eye };

@@ -8,5 +8,6 @@ mod models;
 mod options;
 mod outputs;
 mod polygons;
+mod projects;
 mod streamline;
 mod studio;

@@ -76,8 +76,16 @@ const INTEGRATIONS: &[(&str, Integration)] =
 
 pub(super) fn contents(root: &Node) -> Read<Contents> {
     let root = At::root(root);
+    match (root.field("fairform"), root.field("model")) {
+        // A project of the studio.
+        (Some(_), Some(model)) => file(&model),
+        _ => file(&root),
+    }
+}
+
+fn file(root: &At) -> Read<Contents> {
     if root.field("patches").is_some() {
-        return patches(&root).map(Contents::Surface);
+        return patches(root).map(Contents::Surface);
     }
     if root.field("spec").is_some() {
         // A reference value: what was computed from it does not matter here.
@@ -85,7 +93,7 @@ pub(super) fn contents(root: &Node) -> Read<Contents> {
         let kind = file.get("kind", |at| at.choice(KINDS))?;
         return file.need("spec", |at| single(at, kind));
     }
-    single(&root, None)
+    single(root, None)
 }
 
 fn single(at: &At, kind: Option<Kind>) -> Read<Contents> {
