@@ -171,7 +171,8 @@ export class Studio {
   // -------------------------------------------------------------- looking
 
   control(name: string) {
-    return this.page.getByTestId(name);
+    // Some commands have two buttons.
+    return this.page.getByTestId(name).first();
   }
 
   text(name: string): Promise<string> {
@@ -249,13 +250,22 @@ export class Studio {
     if ((await section.getAttribute("open")) === null) await section.locator("summary").click();
   }
 
+  /** Types a number or words into a field. */
+  async type(name: string, text: string): Promise<void> {
+    await this.control(name).fill(text);
+    await this.control(name).press("Enter");
+  }
+
   /** Drags a slider's handle from one share of its length to another. */
   async slide(name: string, from: number, to: number): Promise<void> {
     const slider = this.control(name);
     await slider.scrollIntoViewIfNeeded();
     const box = (await slider.boundingBox())!;
     const y = box.y + box.height / 2;
-    await this.drag({ x: box.x + from * box.width, y }, { x: box.x + to * box.width, y });
+    // The handle's middle stays so far from the ends.
+    const inset = 8;
+    const at = (share: number) => ({ x: box.x + inset + share * (box.width - 2 * inset), y });
+    await this.drag(at(from), at(to));
   }
 
   /** Drags with the first button; `on` is called at every step. */

@@ -59,8 +59,7 @@ test("a vertex goes where its numbers say, and where arrows push it", async ({ s
   const at = await studio.vertex(v);
   await studio.page.mouse.click(at.x, at.y);
   await studio.section("vertices");
-  await studio.control("vertex-x").fill("0.4");
-  await studio.page.keyboard.press("Enter");
+  await studio.type("vertex-x", "0.4");
   const typed = await studio.until("it moved", () => studio.settled(), (now) => now.mesh!.design.moves.length > 0);
   expect(typed.mesh!.design.moves[0]![1]).toBeCloseTo(0.4, 6);
   const canvas = studio.page.locator("canvas.viewport").first();
@@ -74,17 +73,18 @@ test("a vertex goes where its numbers say, and where arrows push it", async ({ s
 });
 
 test("what is saved is what is seen, and the command reads it", async ({ studio }) => {
-  await dragOne(studio);
+  const { after } = await dragOne(studio);
+  const { points, triangles } = after.surface!;
   const { given } = await studio.ask<Drawn>("places()");
   await studio.section("save");
   for (const format of ["obj", "ply", "stl", "glb"]) {
     for (const what of ["surface", "control"]) {
       const path = await studio.download(() => studio.control(`file.${what}-${format}`).click());
       expect(path.endsWith(`spot-${what}.${format}`), path).toBe(true);
-      const counts = what === "surface" ? [11906, 23808] : [188, 372];
-      const read = JSON.parse(fairform(["info", path, "--json"])) as { vertex_count: number; face_count: number };
-      if (format !== "stl") expect(read.vertex_count, path).toBe(counts[0]);
-      expect(read.face_count, path).toBe(counts[1]);
+      const counts = what === "surface" ? [points, triangles] : [188, 372];
+      const read = JSON.parse(fairform(["info", path, "--json"])) as { vertices: number; faces: number };
+      if (format !== "stl") expect(read.vertices, path).toBe(counts[0]);
+      expect(read.faces, path).toBe(counts[1]);
     }
   }
   // The surface of the control mesh passes through the vertices, moved as they are.
@@ -100,7 +100,7 @@ test("a project keeps everything, also for the command", async ({ studio }) => {
   const path = await studio.download(() => studio.control("file.save").click());
   expect(path.endsWith("spot.fairform.json")).toBe(true);
   const fitted = join(studio.folder, "fitted.obj");
-  fairform(["fit", path, "-o", fitted]);
+  fairform(["fit", path, "--quiet", "--control", fitted, "-o", join(studio.folder, "surface.ply")]);
   const limit = join(studio.folder, "limit.obj");
   fairform(["limit", fitted, "-o", limit]);
   const { given } = await studio.ask<Drawn>("places()");
