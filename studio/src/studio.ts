@@ -5,7 +5,7 @@ import { register, type Action } from "./actions";
 import { announce, dismiss, tell } from "./announce";
 import { askForFile, giveFile, stem } from "./files";
 import type { Kernel, Repair } from "./kernel/api";
-import { problemOf } from "./kernel/problem";
+import { problemOf, sentence } from "./kernel/problem";
 import { panelOpen } from "./perf";
 import { Autosave } from "./state/autosave";
 import { EMPTY, type Document, type Source } from "./state/document";
@@ -139,7 +139,13 @@ export class Studio {
             ...problem.repairs.map((step) => ({ label: `Repair: ${step.says}`, run: () => repair([step]) })),
           ]
         : [];
-    tell({ kind: "error", title, text: problem.message, help: problem.help, choices });
+    tell({
+      kind: "error",
+      title,
+      text: problem.message,
+      help: problem.help && sentence(problem.help),
+      choices,
+    });
   }
 
   async #openProject(source: Source): Promise<void> {

@@ -122,8 +122,23 @@ test("a fit that fails is told and not tried again until something changes", asy
   expect(pipeline.trouble.value).toMatchObject({ stage: "fit", message: "face 7 has 4 corners" });
   kernel.failFit = null;
   pipeline.want({ ...WISH, design: { ...DESIGN, scheme: "catmull-clark" } });
+  expect(pipeline.trouble.value).toBeNull();
   await pipeline.idle();
   expect(pipeline.trouble.value).toBeNull();
+});
+
+test("going back to what was fitted ends the trouble", async () => {
+  const { kernel, pipeline } = start();
+  pipeline.want(WISH);
+  await pipeline.idle();
+  kernel.failFit = { message: "no", help: null, repairs: [], cancelled: false };
+  pipeline.want({ ...WISH, design: { ...DESIGN, scheme: "kobbelt" } });
+  await pipeline.idle();
+  expect(pipeline.trouble.value?.message).toBe("no");
+  pipeline.want(WISH);
+  await pipeline.idle();
+  expect(pipeline.trouble.value).toBeNull();
+  expect(kernel.fitted).toHaveLength(2);
 });
 
 test("the replay draws earlier states without fitting again", async () => {

@@ -68,7 +68,8 @@ test("a field set to undefined is gone from the file", () => {
 
 test("lengths of rows and steps", () => {
   expect(lengthPart(patch, 0, 6)).toEqual({ s: [[1, 3, 7], [0, 1, 2]] });
-  expect(lengthPart({ ...patch, s: undefined, lengths: [3, 2] } as unknown as Patch, 1, 5)).toEqual({ lengths: [3, 5] });
+  const short = { ...patch, s: undefined, lengths: [3, 2] } as unknown as Patch;
+  expect(lengthPart(short, 1, 5)).toEqual({ lengths: [3, 5] });
   expect(stepPart(patch, 0, 1, 3)).toEqual({ s: [[1, 4, 6], [0, 1, 2]], lengths: undefined });
   expect(evenPart(patch, 0)).toEqual({ s: [[1, 2.5, 4], [0, 1, 2]] });
   expect(parametersOf({ ...patch, s: undefined, lengths: [4, 2] } as unknown as Patch)).toEqual([[0, 2, 4], [0, 1, 2]]);
@@ -227,7 +228,10 @@ let kernel: FakeStream;
 let studio: Studio;
 let session: StreamSession;
 
-const file = (model: unknown) => ({ name: "a.streamline.json", bytes: new TextEncoder().encode(JSON.stringify(model)) });
+const file = (model: unknown) => ({
+  name: "a.streamline.json",
+  bytes: new TextEncoder().encode(JSON.stringify(model)),
+});
 const shown = () => patchesOf(studio.history.present.value.model)[0]!.tangents;
 
 beforeEach(async () => {
@@ -248,6 +252,18 @@ test("opening draws every patch and is one thing to undo", async () => {
   expect(session.geometries.value).toHaveLength(2);
   expect(kernel.calls).toEqual(["open a.streamline.json", "patch 0", "patch 1"]);
   expect(studio.history.undoLabel).toBe("Open a.streamline.json");
+});
+
+test("an undo while a file is opened does not take the kernel elsewhere", async () => {
+  session.setTangent(Y);
+  await session.idle();
+  kernel.calls.length = 0;
+  const opening = session.open(file({ ...patch, name: "other" }));
+  studio.undo();
+  await opening;
+  await session.idle();
+  expect(kernel.calls.at(-2)).toBe("open a.streamline.json");
+  expect((studio.history.present.value.model as { name: string }).name).toBe("other");
 });
 
 test("of many tangents while the kernel works only the last is sent, and all are one thing to undo", async () => {

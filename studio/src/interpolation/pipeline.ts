@@ -38,6 +38,15 @@ export interface Trouble extends Problem {
   stage: Stage;
 }
 
+/** Whether a stage has the same to do for two wishes. */
+function asksTheSame(stage: Stage, a: Wish, b: Wish): boolean {
+  if (a.source !== b.source || a.repairs !== b.repairs) return false;
+  if (stage === "open") return true;
+  if (a.design !== b.design) return false;
+  if (stage === "fit") return true;
+  return a.fineness === b.fineness && a.iteration === b.iteration && (stage !== "values" || a.colouring === b.colouring);
+}
+
 interface Step {
   stage: Stage;
   /** Whether the wish still asks for what this step computes. */
@@ -102,6 +111,9 @@ export class Pipeline {
     const before = this.#wish;
     this.#wish = wish;
     if (before?.design !== wish?.design || before?.source !== wish?.source) this.stopped.value = false;
+    const trouble = this.trouble.value;
+    const failed = trouble && this.#failed.get(trouble.stage);
+    if (trouble && !(failed && wish && asksTheSame(trouble.stage, failed, wish))) this.trouble.value = null;
     const step = this.#step;
     if (step?.stage === "fit" && !step.wanted() && !this.#doomed) {
       const left = Math.max(0, this.#stepSince + GRACE - performance.now());
@@ -247,7 +259,7 @@ export class Pipeline {
     const { source, repairs, design, fineness, iteration, colouring } = wish;
 
     if (this.#source !== source || this.#repairs !== repairs) {
-      if (this.#hasFailed("open", (f) => f.source === source && f.repairs === repairs)) return null;
+      if (this.#hasFailed("open", wish)) return null;
       const wanted = () => this.#wish?.source === source && this.#wish.repairs === repairs;
       return { stage: "open", wanted, run: async () => void (await this.#open(source, repairs)) };
     }
@@ -257,7 +269,7 @@ export class Pipeline {
     const isFine = s?.fineness.levels === fineness.levels && s.fineness.limit === fineness.limit;
     const lacksSurface =
       (s?.fit !== fit || !isFine || s.iteration !== iteration) &&
-      !this.#hasFailed("surface", (f) => f.design === design && f.fineness === fineness && f.iteration === iteration);
+      !this.#hasFailed("surface", wish);
 
     const number = this.#surfaceNumber;
     const v = this.#valuesOf;
@@ -265,17 +277,13 @@ export class Pipeline {
       colouring !== null &&
       this.surface.value !== null &&
       (v?.surface !== number || v.colouring !== colouring) &&
-      !this.#hasFailed(
-        "values",
-        (f) =>
-          f.design === design && f.colouring === colouring && f.fineness === fineness && f.iteration === iteration,
-      );
+      !this.#hasFailed("values", wish);
 
     // While a slider moves, every fit that ends is drawn and coloured before the next begins.
     const isUndrawn = s?.fit !== fit ? lacksSurface : lacksValues && v?.fit !== fit;
     if (this.#design !== design && !(this.#design !== null && isUndrawn)) {
       if (this.stopped.value) return null;
-      if (this.#hasFailed("fit", (f) => f.source === source && f.design === design)) return null;
+      if (this.#hasFailed("fit", wish)) return null;
       const wanted = () => this.#wish?.design === design && this.#wish.source === source;
       return { stage: "fit", wanted, run: () => this.#fit(design, wanted) };
     }
@@ -297,7 +305,7 @@ export class Pipeline {
     if (
       wish.control &&
       (this.#controlOf?.fit !== fit || this.#controlOf.iteration !== iteration) &&
-      !this.#hasFailed("control", (f) => f.design === design && f.iteration === iteration)
+      !this.#hasFailed("control", wish)
     ) {
       return {
         stage: "control",
@@ -326,9 +334,9 @@ export class Pipeline {
     return null;
   }
 
-  #hasFailed(stage: Stage, same: (wish: Wish) => boolean): boolean {
+  #hasFailed(stage: Stage, wish: Wish): boolean {
     const failed = this.#failed.get(stage);
-    return failed !== undefined && same(failed);
+    return failed !== undefined && asksTheSame(stage, failed, wish);
   }
 
   async #open(source: Source, repairs: readonly string[]): Promise<MeshInfo> {

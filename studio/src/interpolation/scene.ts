@@ -1,8 +1,9 @@
 // The viewports of the interpolation workspace: they show what the session has, and tell it what is pointed at.
 
-import { effect } from "@preact/signals";
+import { computed, effect } from "@preact/signals";
 import * as THREE from "three";
 import { TransformControls } from "three/addons/controls/TransformControls.js";
+import type { Design } from "../kernel/api";
 import { Gestures } from "../scene/gestures";
 import { MeshView, paletteOf } from "../scene/meshView";
 import { Picker } from "../scene/picker";
@@ -12,6 +13,9 @@ import { settings } from "../state/settings";
 import { look } from "../theme";
 import type { Pipeline } from "./pipeline";
 import type { Session } from "./session";
+
+const NO_MOVES: Design["moves"] = [];
+const NO_CREASES: Design["creases"] = [];
 
 /** One viewport with the mesh and the surface of one pipeline. */
 class Stage {
@@ -28,6 +32,12 @@ class Stage {
       const mesh = session.mesh.value;
       return side === "a" ? mesh?.design : mesh?.compare;
     };
+    // Computed, so that only what changed is drawn anew.
+    const moves = computed(() => design()?.moves ?? NO_MOVES);
+    const creases = computed(() => design()?.creases ?? NO_CREASES);
+    const faces = computed(() => session.mesh.value?.faces ?? NONE);
+    const vertices = computed(() => session.mesh.value?.vertices ?? NONE);
+    const edges = computed(() => session.mesh.value?.edges ?? NONE);
     this.#stop.push(
       effect(() => {
         viewport.up = settings.value.up;
@@ -36,7 +46,7 @@ class Stage {
         void look.value;
         view.setPalette(paletteOf(host));
       }),
-      effect(() => view.setGiven(pipeline.given.value, design()?.moves ?? [])),
+      effect(() => view.setGiven(pipeline.given.value, moves.value)),
       effect(() => view.setControl(pipeline.control.value)),
       effect(() => {
         view.setSurface(pipeline.surface.value);
@@ -45,14 +55,14 @@ class Stage {
         const values = pipeline.values.value;
         view.setValues(values && range && { ...values, low: range.low, high: range.high }, settings.value.colouring);
       }),
-      effect(() => view.setFaces(session.mesh.value?.faces ?? NONE)),
+      effect(() => view.setFaces(faces.value)),
       effect(() => {
         void pipeline.given.value;
-        view.setVertices(session.mesh.value?.vertices ?? NONE);
+        view.setVertices(vertices.value);
       }),
       effect(() => {
         void pipeline.given.value;
-        view.setEdges(session.mesh.value?.edges ?? NONE, design()?.creases ?? []);
+        view.setEdges(edges.value, creases.value);
       }),
       effect(() => view.setSettings(settings.value)),
     );
@@ -145,6 +155,7 @@ export class MeshScene {
     this.#gestures.dispose();
     this.#gizmo.dispose();
     this.#other?.dispose();
+    this.#other = null;
     this.#main.dispose();
   }
 
@@ -168,8 +179,11 @@ export class MeshScene {
 
   /** Opens the second viewport in `host`, with linked cameras; null closes it. */
   setOther(host: HTMLElement | null): void {
-    this.#other?.dispose();
-    this.#other = null;
+    if (this.#other) {
+      this.#other.dispose();
+      this.#other = null;
+      this.#main.viewport.fit(undefined, false);
+    }
     const pipeline = this.#session.other.peek();
     if (!host || !pipeline) return;
     const other = new Stage(host, "The same mesh with the other settings", this.#session, pipeline, "b");

@@ -1,8 +1,9 @@
+import { useRef } from "preact/hooks";
 import * as actions from "../actions";
 import type { Studio } from "../studio";
 import { settings, change, type Theme } from "../state/settings";
 import { current } from "../workspace";
-import { ActionButton } from "./controls";
+import { ActionButton, keyHint } from "./controls";
 import { Icon } from "./icons";
 
 const NEXT: Record<Theme, Theme> = { auto: "light", light: "dark", dark: "contrast", contrast: "auto" };
@@ -13,15 +14,62 @@ const LOOKS: Record<Theme, string> = {
   contrast: "high contrast",
 };
 
+/** Everything that the open workspace can save: its actions whose names begin with `file.`. */
+function SaveMenu() {
+  const ref = useRef<HTMLDetailsElement>(null);
+  const close = () => {
+    if (ref.current) ref.current.open = false;
+  };
+  const elsewhere = new Set(["file.open", "file.gallery"]);
+  const saving = actions.list().filter((a) => actions.groupOf(a) === "file" && !elsewhere.has(a.name));
+  return (
+    <details
+      ref={ref}
+      class="menu"
+      onFocusOut={(e) => {
+        if (!e.currentTarget.contains(e.relatedTarget as Node | null)) close();
+      }}
+      onKeyDown={(e) => {
+        if (e.key !== "Escape" || !ref.current?.open) return;
+        e.stopPropagation();
+        close();
+        ref.current.querySelector("summary")?.focus();
+      }}
+    >
+      <summary class="icon-button" aria-label="Save" title="Save" data-testid="save-menu">
+        <Icon name="save" />
+      </summary>
+      <ul class="menu-list">
+        {saving.map((action) => (
+          <li key={action.name}>
+            <button
+              type="button"
+              disabled={action.enabled?.() === false}
+              data-testid={`menu-${action.name}`}
+              onClick={() => {
+                close();
+                actions.run(action.name);
+              }}
+            >
+              <span>{action.label}</span>
+              {action.keys && <kbd>{keyHint(action.keys)}</kbd>}
+            </button>
+          </li>
+        ))}
+      </ul>
+    </details>
+  );
+}
+
 export function TopBar({ studio }: { studio: Studio }) {
   const { theme } = settings.value;
   const undo = studio.history.undoLabel;
   return (
     <header class="top-bar">
-      <div class="brand">
+      <h1 class="brand">
         <img src="./icon.svg" alt="" width="22" height="22" />
         <span>fairform</span>
-      </div>
+      </h1>
       <nav class="workspaces" aria-label="Workspaces">
         {studio.workspaces.map((w) => (
           <button
@@ -38,7 +86,7 @@ export function TopBar({ studio }: { studio: Studio }) {
       <div class="bar-group">
         <ActionButton name="file.open" icon="open" />
         <ActionButton name="file.gallery" icon="gallery" />
-        <ActionButton name="file.save" icon="save" />
+        <SaveMenu />
         <span class="bar-rule" />
         <ActionButton name="edit.undo" icon="undo" />
         <ActionButton name="edit.redo" icon="redo" />

@@ -5,7 +5,7 @@ import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 import type { Colouring, Design, DragAnswer, Geometry, GivenMesh, Values } from "../kernel/api";
-import { maskOf, NONE, type Indices } from "../state/indices";
+import { maskOf, NONE, same, type Indices } from "../state/indices";
 import type { Settings } from "../state/settings";
 import { FINISH, lineMaterial, overlayMaterial, pointMaterial, RAMP_TEXTURES, surfaceMaterial } from "./materials";
 import { facesOfEdges, patchLines, trianglesOfFaces, type PatchLines } from "./patches";
@@ -80,6 +80,14 @@ export class Skin {
   get lines(): PatchLines {
     this.#lines ??= patchLines(this.#source);
     return this.#lines;
+  }
+
+  hasConnectivityOf({ positions, triangles, faceOfTriangle }: Geometry): boolean {
+    return (
+      positions.length === this.positions.length &&
+      same(triangles, this.triangles) &&
+      same(faceOfTriangle, this.faceOfTriangle)
+    );
   }
 
   /** Moves all points, or some. */
@@ -315,6 +323,14 @@ export class MeshView {
   }
 
   setSurface(surface: Geometry | null): void {
+    if (surface && this.#surface?.hasConnectivityOf(surface)) {
+      // Lines, selections and what picking needs stay as they are; only points move.
+      this.#surface.move(null, surface.positions, surface.normals);
+      this.#drawThick();
+      this.#drawOutline();
+      this.#viewport.invalidate();
+      return;
+    }
     this.#surface = surface && new Skin(surface);
     if (this.#surface) {
       this.#replace("surface", this.#surface.geometry);

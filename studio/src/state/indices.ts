@@ -67,5 +67,8 @@ export function combine(old: Indices, picked: Indices, how: Combine): Indices {
 }
 
 export function same(a: Indices, b: Indices): boolean {
-  return a === b || (a.length === b.length && a.every((x, i) => x === b[i]));
+  if (a === b) return true;
+  if (a.length !== b.length) return false;
+  for (let i = 0; i < a.length; i += 1) if (a[i] !== b[i]) return false;
+  return true;
 }

@@ -1,4 +1,4 @@
-// Control tangents as arrows in the scene. Heads differ by column in shape, size and the colour of a ring, so
+// Control tangents as arrows in the scene. Heads differ along a line in shape, size and the colour of a ring, so
 // that arrows that coincide can be told apart.
 
 import * as THREE from "three";
@@ -25,26 +25,48 @@ export function tangentPaletteOf(element: Element): TangentPalette {
 }
 
 export const SHAPES = 3;
-/** Sizes repeat after so many columns; with the shapes, marks repeat only after 12. */
+/** Sizes repeat after so many tangents; with the shapes, marks repeat only after 12. */
 const SIZES = [1, 0.8, 1.2, 0.65];
 
-export function sizeOf(column: number): number {
-  return SIZES[column % SIZES.length]!;
+export function sizeOf(number: number): number {
+  return SIZES[number % SIZES.length]!;
 }
 
-export function shapeOf(column: number): number {
-  return column % SHAPES;
+export function shapeOf(number: number): number {
+  return number % SHAPES;
 }
 
-export function colourOf(palette: TangentPalette, isSelected: boolean, isHovered: boolean, column: number): string {
+/** Numbers of tangents along their lines: by column on streamlines, or by row across them. */
+export class Numbering {
+  readonly columnCount: number;
+  readonly across: boolean;
+  /** Tangents of a line. */
+  readonly count: number;
+
+  constructor(rowCount: number, columnCount: number, across: boolean) {
+    this.columnCount = Math.max(1, columnCount);
+    this.across = across;
+    this.count = across ? rowCount : columnCount;
+  }
+
+  of(index: number): number {
+    return this.across ? Math.floor(index / this.columnCount) : index % this.columnCount;
+  }
+
+  isSame(other: Numbering): boolean {
+    return this.columnCount === other.columnCount && this.across === other.across && this.count === other.count;
+  }
+}
+
+export function colourOf(palette: TangentPalette, isSelected: boolean, isHovered: boolean, number: number): string {
   if (isSelected) return palette.selected;
   if (isHovered) return palette.hover;
-  return column === 0 ? palette.first : palette.other;
+  return number === 0 ? palette.first : palette.other;
 }
 
-/** Colour of the ring: once around the hues from the first column to the last, leaving out a sixth at the end. */
-export function ringColour(column: number, count: number, target = new THREE.Color()): THREE.Color {
-  return target.setHSL((0.58 + (0.83 * column) / Math.max(1, count)) % 1, 0.72, 0.5);
+/** Colour of the ring: once around the hues from the first tangent to the last, leaving out a sixth at the end. */
+export function ringColour(number: number, count: number, target = new THREE.Color()): THREE.Color {
+  return target.setHSL((0.58 + (0.83 * number) / Math.max(1, count)) % 1, 0.72, 0.5);
 }
 
 /** Lit from the eye, one colour per instance, a little nearer than it is so that the surface does not eat it. */
@@ -91,7 +113,7 @@ export class Arrows {
   #shafts: THREE.InstancedMesh | null = null;
   #rings: THREE.InstancedMesh | null = null;
   #tips: THREE.InstancedMesh[] = [];
-  #columnCount = 0;
+  #numbering = new Numbering(0, 0, false);
   #count = 0;
   #feet: Float32Array = new Float32Array(0);
   #tangents: Float32Array = new Float32Array(0);
@@ -111,7 +133,7 @@ export class Arrows {
   }
 
   get columnCount(): number {
-    return this.#columnCount;
+    return this.#numbering.columnCount;
   }
 
   /** Length of an arrow in the units of the scene. */
@@ -119,11 +141,11 @@ export class Arrows {
     return this.#length;
   }
 
-  set(feet: Float32Array, tangents: Float32Array, columnCount: number, length: number): void {
+  set(feet: Float32Array, tangents: Float32Array, numbering: Numbering, length: number): void {
     const count = tangents.length / 3;
-    if (count !== this.#count || columnCount !== this.#columnCount) {
+    if (count !== this.#count || !numbering.isSame(this.#numbering)) {
       this.#count = count;
-      this.#columnCount = columnCount;
+      this.#numbering = numbering;
       this.#make();
     }
     this.#feet = feet;
@@ -177,7 +199,7 @@ export class Arrows {
     this.#rings = instanced(this.#ring, this.#count);
     this.#tips = this.#heads.map((geometry, shape) => {
       let count = 0;
-      for (let i = 0; i < this.#count; i += 1) if (shapeOf(i % this.#columnCount) === shape) count += 1;
+      for (let i = 0; i < this.#count; i += 1) if (shapeOf(this.#numbering.of(i)) === shape) count += 1;
       return instanced(geometry, count);
     });
     this.#paint();
@@ -190,9 +212,9 @@ export class Arrows {
     const turn = new THREE.Quaternion();
     const [foot, direction, at, scale] = [0, 0, 0, 0].map(() => new THREE.Vector3()) as Three4;
     for (let i = 0; i < this.#count; i += 1) {
-      const column = i % this.#columnCount;
+      const number = this.#numbering.of(i);
       const grown = i === this.#selected || i === this.#hovered ? 1.35 : 1;
-      const head = this.#length * 0.36 * sizeOf(column) * grown;
+      const head = this.#length * 0.36 * sizeOf(number) * grown;
       const thick = this.#length * 0.026 * grown;
       this.footOf(i, foot);
       direction.fromArray(this.#tangents, 3 * i);
@@ -201,7 +223,7 @@ export class Arrows {
       matrix.compose(foot, turn, scale.set(thick, neck, thick));
       this.#shafts.setMatrixAt(i, matrix);
       at.copy(foot).addScaledVector(direction, neck);
-      const shape = shapeOf(column);
+      const shape = shapeOf(number);
       matrix.compose(at, turn, scale.setScalar(head));
       this.#tips[shape]!.setMatrixAt(next[shape]!++, matrix);
       at.copy(foot).addScaledVector(direction, neck - head * 0.12);
@@ -217,12 +239,12 @@ export class Arrows {
     const next = this.#tips.map(() => 0);
     const colour = new THREE.Color();
     for (let i = 0; i < this.#count; i += 1) {
-      const column = i % this.#columnCount;
-      colour.set(colourOf(palette, i === this.#selected, i === this.#hovered, column));
+      const number = this.#numbering.of(i);
+      colour.set(colourOf(palette, i === this.#selected, i === this.#hovered, number));
       this.#shafts.setColorAt(i, colour);
-      const shape = shapeOf(column);
+      const shape = shapeOf(number);
       this.#tips[shape]!.setColorAt(next[shape]!++, colour);
-      this.#rings.setColorAt(i, ringColour(column, this.#columnCount, colour));
+      this.#rings.setColorAt(i, ringColour(number, this.#numbering.count, colour));
     }
     for (const mesh of [this.#shafts, this.#rings, ...this.#tips]) {
       if (mesh.instanceColor) mesh.instanceColor.needsUpdate = true;

@@ -16,6 +16,8 @@ export interface Listener<T> {
   drop: (thing: T, hasMoved: boolean) => void;
   /** Escape was pressed during a drag that had moved it. */
   cancel: (thing: T) => void;
+  /** Clicked where there is none. */
+  miss: (x: number, y: number) => void;
 }
 
 export class Handles<T> {
@@ -23,6 +25,7 @@ export class Handles<T> {
   readonly #listener: Listener<T>;
   readonly #abort = new AbortController();
   #down: { thing: T; others: readonly T[]; id: number; x: number; y: number; hasMoved: boolean } | null = null;
+  #missed: { x: number; y: number } | null = null;
   #last: T | null = null;
   #hover: { x: number; y: number } | null = null;
   #request = 0;
@@ -54,6 +57,7 @@ export class Handles<T> {
     this.#viewport.canvas.focus({ preventScroll: true });
     if (event.button !== 0 || !event.isPrimary || this.#down) return;
     const things = this.#listener.at(event.clientX, event.clientY);
+    this.#missed = things.length === 0 ? { x: event.clientX, y: event.clientY } : null;
     if (things.length === 0) return;
     // Of several at one place, the one that was taken last stays taken until a click asks for the next.
     const last = this.#last;
@@ -78,6 +82,11 @@ export class Handles<T> {
 
   #onUp(event: PointerEvent): void {
     const down = this.#down;
+    const missed = this.#missed;
+    this.#missed = null;
+    if (missed && Math.hypot(event.clientX - missed.x, event.clientY - missed.y) < 4) {
+      this.#listener.miss(missed.x, missed.y);
+    }
     if (!down || event.pointerId !== down.id) return;
     this.#down = null;
     this.#viewport.controls.enabled = true;

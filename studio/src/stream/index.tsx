@@ -35,6 +35,7 @@ function StreamWorkspace({ session }: { session: StreamSession }) {
   const main = useRef<HTMLDivElement>(null);
   const ball = useRef<HTMLDivElement>(null);
   useEffect(() => {
+    session.warm();
     const scene = new StreamScene(main.current!, ball.current!, session);
     scene.insets = { left: innerWidth > 820 ? 56 : 0, right: 0, top: 8, bottom: 8 };
     return () => scene.dispose();

@@ -61,18 +61,17 @@ export class PatchView {
     for (const material of Object.values(this.#materials)) material.dispose();
   }
 
-  /** Whether a ray meets the surface before it has gone so far. */
-  hides(ray: THREE.Ray, way: number): boolean {
+  /** How far a ray goes until it meets the surface; infinitely if it does not. */
+  wayTo(ray: THREE.Ray): number {
     const skin = this.#skin;
-    if (!skin) return false;
+    if (!skin || !this.#surface.visible) return Infinity;
     if (this.#tree?.skin !== skin) {
       this.#tree = { skin, version: skin.version, bvh: new MeshBVH(skin.geometry, { indirect: true }) };
     } else if (this.#tree.version !== skin.version) {
       this.#tree.bvh.refit();
       this.#tree.version = skin.version;
     }
-    const hit = this.#tree.bvh.raycastFirst(ray, THREE.DoubleSide);
-    return hit !== null && hit.distance < way;
+    return this.#tree.bvh.raycastFirst(ray, THREE.DoubleSide)?.distance ?? Infinity;
   }
 
   setPalette(palette: Palette): void {
@@ -106,12 +105,15 @@ export class PatchView {
     this.#lines.combs.visible = false;
   }
 
-  /** The streamline that is drawn thick, as a row of points; null for none. */
-  setChosen(line: number | null): void {
+  /** The line that is drawn thick, as a row of points or, across the streamlines, a column; null for none. */
+  setChosen(line: number | null, across = false): void {
     const geometry = this.#geometry;
     this.#chosen.visible = line !== null && geometry !== null;
     if (line === null || !geometry) return;
-    const pairs = segments(geometry.positions, line * geometry.columnCount, geometry.columnCount);
+    const { positions, rowCount, columnCount } = geometry;
+    const pairs = across
+      ? segments(positions, line, rowCount, columnCount)
+      : segments(positions, line * columnCount, columnCount);
     this.#chosen.geometry.dispose();
     this.#chosen.geometry = new LineSegmentsGeometry().setPositions(pairs);
   }

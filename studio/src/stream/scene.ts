@@ -8,7 +8,7 @@ import { paletteOf } from "../scene/meshView";
 import { Viewport, type Insets, type Preset } from "../scene/viewport";
 import { settings } from "../state/settings";
 import { look } from "../theme";
-import { Arrows, tangentPaletteOf } from "./arrows";
+import { Arrows, Numbering, tangentPaletteOf } from "./arrows";
 import { directionAt, Handles, REACH } from "./handles";
 import { alongColumns, segments } from "./lines";
 import { fineLine, handlesOf, type Initial, type Place } from "./model";
@@ -120,6 +120,7 @@ export class StreamScene {
         drag: (thing, x, y, event) => this.#drag(thing, x, y, event.shiftKey),
         drop: () => session.seal(),
         cancel: () => session.cancelDrag(),
+        miss: (x, y) => this.#pickPatch(x, y),
       }),
       ball: new Handles<number>(this.#ball, {
         at: (x, y) => this.#marksAt(x, y),
@@ -137,6 +138,7 @@ export class StreamScene {
         },
         drop: () => session.seal(),
         cancel: () => session.cancelDrag(),
+        miss: () => {},
       }),
     };
 
@@ -233,7 +235,8 @@ export class StreamScene {
     const style = getComputedStyle(ball);
     const of = (name: string) => style.getPropertyValue(name).trim() || "#888888";
     const pixels = this.#ball.renderer.getPixelRatio();
-    this.#sphere.setPalette(tangents, of("--scene-ball"), of("--scene-meridian"), of("--scene-curve"), pixels);
+    const colours = { ball: of("--scene-ball"), meridian: of("--scene-meridian"), curve: of("--scene-curve") };
+    this.#sphere.setPalette(tangents, colours, pixels);
     const { points, polygon, curve } = this.#initial;
     (points.material.uniforms["colour"]!.value as THREE.Color).set(palette.control);
     (points.material.uniforms["ring"]!.value as THREE.Color).set(palette.ring);
@@ -265,14 +268,19 @@ export class StreamScene {
       this.#patches.push(view);
     }
     const { stream } = all;
-    const { row } = session.place.value;
+    const { row, column } = session.place.value;
     const control = session.control.value;
     this.#patches.forEach((view, i) => {
       view.setGeometry(geometries[i]!, infos[i]!);
       view.setSettings(all);
       const isCurrent = i === patch;
       const line = control && stream.sphere !== "all" ? fineLine(row, control.rowCount, geometries[i]!.rowCount) : null;
-      view.setChosen(isCurrent && stream.sphere === "row" && stream.streamlines ? line : null);
+      const isShown = isCurrent && control !== null && stream.streamlines && stream.sphere !== "all";
+      if (isShown && stream.sphere === "column") {
+        view.setChosen(fineLine(column, control.columnCount, geometries[i]!.columnCount), true);
+      } else {
+        view.setChosen(isShown ? line : null);
+      }
       view.setCombs(isCurrent && stream.combs ? session.combs.value : null, line);
     });
     this.#main.invalidate();
@@ -317,13 +325,14 @@ export class StreamScene {
   #showTangents(): void {
     const session = this.#session;
     const control = session.control.value;
-    const { arrows, arrowSize } = settings.value.stream;
+    const { arrows, arrowSize, sphere } = settings.value.stream;
     this.#arrows.root.visible = arrows && control !== null;
     if (control) {
       const { feet, tangents, rowCount, columnCount } = control;
       // Many would hide the surface, if they were as long as few.
       const crowd = Math.min(1, Math.max(0.3, Math.sqrt(70 / (rowCount * columnCount))));
-      this.#arrows.set(feet, tangents, columnCount, ARROW * session.size.value * arrowSize * crowd);
+      const numbering = new Numbering(rowCount, columnCount, sphere === "column");
+      this.#arrows.set(feet, tangents, numbering, ARROW * session.size.value * arrowSize * crowd);
       this.#arrows.mark(this.#indexOf(session.place.value), this.#hovered());
     }
     this.#main.invalidate();
@@ -337,12 +346,13 @@ export class StreamScene {
     if (!control) {
       this.#sphere.setMarks(NO_MARKS);
     } else {
-      const { columnCount, tangents } = control;
+      const { rowCount, columnCount, tangents } = control;
+      const numbering = new Numbering(rowCount, columnCount, settings.value.stream.sphere === "column");
       const indices = this.#shownIndices();
       // What is pointed at in the scene lights up here, also if its row is not shown.
       if (hovered >= 0 && !indices.includes(hovered)) indices.push(hovered);
       const selected = place.row * columnCount + place.column;
-      this.#sphere.setMarks({ tangents, indices, columnCount, selected, hovered });
+      this.#sphere.setMarks({ tangents, indices, numbering, selected, hovered });
     }
     this.#showLabels(hovered);
     this.#ball.invalidate();
@@ -510,7 +520,7 @@ export class StreamScene {
       const tip = this.#arrows.tipOf(index);
       const way = tip.distanceTo(eye) - 0.5 * this.#arrows.length;
       const ray = new THREE.Ray(eye, tip.sub(eye).normalize());
-      return stream.surface && this.#patches.some((view) => view.hides(ray, way));
+      return this.#patches.some((view) => view.wayTo(ray) < way);
     };
     // What the surface hides gives way to what is seen.
     return found
@@ -518,6 +528,16 @@ export class StreamScene {
       .map(({ thing, away }) => ({ thing, away: away + (isHidden(thing) ? REACH : 0) }))
       .sort((a, b) => a.away - b.away)
       .map(({ thing }) => thing);
+  }
+
+  /** Goes on with the patch that is clicked. */
+  #pickPatch(x: number, y: number): void {
+    const ray = this.#main.ray(x, y);
+    const ways = this.#patches.map((view) => view.wayTo(ray));
+    const patch = ways.indexOf(Math.min(...ways));
+    const session = this.#session;
+    if (ways[patch] === Infinity || patch < 0 || patch === session.patch.peek()) return;
+    session.select(session.place.peek(), patch);
   }
 
   #hover(index: number | null): void {
@@ -562,5 +582,11 @@ export class StreamScene {
   }
 }
 
-const NO_MARKS: Marks = { tangents: new Float32Array(0), indices: [], columnCount: 1, selected: -1, hovered: -1 };
+const NO_MARKS: Marks = {
+  tangents: new Float32Array(0),
+  indices: [],
+  numbering: new Numbering(0, 0, false),
+  selected: -1,
+  hovered: -1,
+};
 const NO_CURVE: Initial = { type: "polyline", points: [], t: [] };

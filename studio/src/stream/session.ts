@@ -9,6 +9,7 @@ import { announce } from "../announce";
 import { giveFile, stem } from "../files";
 import type {
   Colouring,
+  Kernel,
   MeshFormat,
   ModelChange,
   PatchGeometry,
@@ -135,7 +136,7 @@ export class StreamSession {
   readonly size = signal(0);
 
   /** One of its own, so that no fit of a mesh is waited for; made when it is first needed. */
-  #kernel: StreamKernel | null = null;
+  #kernel: Kernel | null = null;
   readonly #levels: Levels;
   readonly #fine = signal<{ patch: number; level: number; grid: ControlGrid } | null>(null);
   #fineOf: unknown[] = [];
@@ -151,6 +152,7 @@ export class StreamSession {
   /** The document when a drag began. */
   #dragged: Document | null = null;
   #running: Promise<void> | null = null;
+  #opening: Promise<void> | null = null;
   /** What the things beside the surface were made from. */
   #arcsOf: unknown = null;
   #combsOf: unknown[] = [];
@@ -184,20 +186,39 @@ export class StreamSession {
     });
   }
 
-  get kernel(): StreamKernel {
+  /** Starts the kernel ahead of its first work. Whatever is wrong with it, that work tells. */
+  warm(): void {
+    this.kernel.version().catch(() => {});
+  }
+
+  get kernel(): Kernel {
     this.#kernel ??= this.studio.newKernel();
     return this.#kernel;
   }
 
   /** Resolves when the kernel has nothing left to do. */
   async idle(): Promise<void> {
-    while (this.#running) await this.#running;
+    for (let work = this.#work(); work; work = this.#work()) await work.catch(() => {});
+  }
+
+  #work(): Promise<void> | null {
+    return this.#running ?? this.#opening;
   }
 
   // -------------------------------------------------------------- files
 
-  async open({ bytes, name, look, up }: Source): Promise<void> {
-    await this.idle();
+  async open(source: Source): Promise<void> {
+    while (this.#opening) await this.#opening.catch(() => {});
+    // Nothing else goes to the kernel meanwhile, or it would be of the model before.
+    this.#opening = this.#open(source).finally(() => {
+      this.#opening = null;
+      this.#start();
+    });
+    return this.#opening;
+  }
+
+  async #open({ bytes, name, look, up }: Source): Promise<void> {
+    await this.#running;
     const { model, patches } = await timed("open", this.kernel.openModel(bytes.slice(), name));
     this.firstLook = look ?? null;
     if (up) change({ up });
@@ -461,6 +482,7 @@ export class StreamSession {
   }
 
   #start(): void {
+    if (this.#opening) return;
     this.#running ??= this.#run();
   }
 

@@ -4,7 +4,7 @@ import * as THREE from "three";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
-import { colourOf, ringColour, shapeOf, sizeOf, type TangentPalette } from "./arrows";
+import { colourOf, ringColour, shapeOf, sizeOf, type Numbering, type TangentPalette } from "./arrows";
 
 /** Everything on the sphere is drawn a little outside, so that what veils the far side lies below it. */
 const LIFT = 1.004;
@@ -119,11 +119,11 @@ function graticule(): THREE.BufferGeometry {
   return new THREE.BufferGeometry().setFromPoints(places);
 }
 
-/** What is on the sphere: `indices` of control tangents, the column of each for its mark. */
+/** What is on the sphere: `indices` of control tangents, and their numbers for their marks. */
 export interface Marks {
   tangents: Float32Array;
   indices: readonly number[];
-  columnCount: number;
+  numbering: Numbering;
   selected: number;
   hovered: number;
 }
@@ -156,7 +156,11 @@ export class Sphere {
     }
   }
 
-  setPalette(palette: TangentPalette, ball: string, meridian: string, curve: string, pixels: number): void {
+  setPalette(
+    palette: TangentPalette,
+    { ball, meridian, curve }: { ball: string; meridian: string; curve: string },
+    pixels: number,
+  ): void {
     this.#palette = palette;
     const paint = (material: THREE.ShaderMaterial, name: string, colour: string) =>
       (material.uniforms[name]!.value as THREE.Color).set(colour);
@@ -200,11 +204,11 @@ export class Sphere {
     const palette = this.#palette;
     this.#points.visible = marks.indices.length > 0;
     if (!palette || marks.indices.length === 0) return;
-    const { tangents, columnCount, selected, hovered } = marks;
+    const { tangents, numbering, selected, hovered } = marks;
     const isMarked = (i: number) => i === selected || i === hovered;
     // Large ones first, or they would hide the small ones at the same place; what is marked is on top.
     const order = [...marks.indices].sort(
-      (a, b) => Number(isMarked(a)) - Number(isMarked(b)) || sizeOf(b % columnCount) - sizeOf(a % columnCount),
+      (a, b) => Number(isMarked(a)) - Number(isMarked(b)) || sizeOf(numbering.of(b)) - sizeOf(numbering.of(a)),
     );
     const position = new Float32Array(3 * order.length);
     const fill = new Float32Array(3 * order.length);
@@ -212,13 +216,13 @@ export class Sphere {
     const form = new Float32Array(2 * order.length);
     const colour = new THREE.Color();
     order.forEach((index, i) => {
-      const column = index % columnCount;
+      const number = numbering.of(index);
       position.set(tangents.subarray(3 * index, 3 * index + 3), 3 * i);
       colour
-        .set(colourOf(palette, index === selected, index === hovered, column))
+        .set(colourOf(palette, index === selected, index === hovered, number))
         .toArray(fill, 3 * i);
-      ringColour(column, columnCount, colour).toArray(ring, 3 * i);
-      form.set([POINT_SIZE * sizeOf(column) * (isMarked(index) ? 1.3 : 1), shapeOf(column)], 2 * i);
+      ringColour(number, numbering.count, colour).toArray(ring, 3 * i);
+      form.set([POINT_SIZE * sizeOf(number) * (isMarked(index) ? 1.3 : 1), shapeOf(number)], 2 * i);
     });
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(position, 3));

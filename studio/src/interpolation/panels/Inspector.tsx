@@ -2,7 +2,7 @@
 
 import { useState } from "preact/hooks";
 import type { Design, Fineness, Method, Scheme } from "../../kernel/api";
-import { problemOf } from "../../kernel/problem";
+import { problemOf, sentence } from "../../kernel/problem";
 import { ActionButton, Button, Choice, NumberField, Section, Segmented, Slider, Switch } from "../../panels/controls";
 import { change, settings, show } from "../../state/settings";
 import { COLOURINGS, FORMATS, SHOWN } from "../commands";
@@ -85,8 +85,8 @@ function Trouble({ session }: { session: Session }) {
   if (!trouble) return null;
   return (
     <div class="trouble" role="alert" data-testid="trouble">
-      <strong>{trouble.message}</strong>
-      {trouble.help && <p>{trouble.help}</p>}
+      <strong>{sentence(trouble.message)}</strong>
+      {trouble.help && <p>{sentence(trouble.help)}</p>}
       <Button onClick={() => pipeline.retry()} testid="retry">
         Try again
       </Button>
@@ -134,7 +134,10 @@ function FitSection({ session, design }: { session: Session; design: Design }) {
   const updates = fit?.history.at(-1)?.iteration ?? 0;
   const set = session.setDesign.bind(session);
   const info = session.main.info.value;
-  const needsTriangles = (info?.mostCorners ?? 3) > 3;
+  const most = info?.mostCorners ?? 3;
+  const hasQuadsOnly = most === 4 && info?.leastCorners === 4;
+  const suits = (name: Scheme) =>
+    name === "kobbelt" ? hasQuadsOnly : most === 3 || (name !== "loop" && name !== "butterfly");
   const iteration = session.iteration.value;
   const isMain = session.side.value === "a";
   return (
@@ -143,9 +146,7 @@ function FitSection({ session, design }: { session: Session; design: Design }) {
         label="Scheme"
         testid="scheme"
         value={design.scheme}
-        options={SCHEMES.filter(
-          ([name]) => name === design.scheme || !needsTriangles || (name !== "loop" && name !== "butterfly"),
-        )}
+        options={SCHEMES.filter(([name]) => name === design.scheme || suits(name))}
         onChange={(scheme) => set({ scheme, tension: null, tensions: [] }, "Scheme")}
       />
       <Choice

@@ -160,7 +160,11 @@ function TangentSection({ session }: { session: StreamSession }) {
       {details.length > 0 && (
         <div class="buttons">
           {level > 0 && (
-            <Button onClick={() => session.removeDetails(false)} disabled={!session.isDetail.value} testid="remove-detail">
+            <Button
+              onClick={() => session.removeDetails(false)}
+              disabled={!session.isDetail.value}
+              testid="remove-detail"
+            >
               Take back here
             </Button>
           )}
