@@ -1,6 +1,7 @@
 // Everything that can be done here by key, by button or from the list of commands.
 
 import type { Action } from "../actions";
+import { announce } from "../announce";
 import type { Colouring, MeshFormat } from "../kernel/api";
 import type { Preset } from "../scene/viewport";
 import { change, settings, show, type Shading, type Shown } from "../state/settings";
@@ -253,7 +254,10 @@ export function commands(session: Session): Action[] {
       label: "Stop fitting",
       keys: ["Mod+."],
       enabled: () => session.pipeline.value.stage.value === "fit",
-      run: () => void session.pipeline.value.cancel(),
+      run: () => {
+        void session.pipeline.value.cancel();
+        announce("The fit was stopped");
+      },
     },
     { name: "fit.again", label: "Fit again", keys: ["Enter"], enabled: has, run: () => session.pipeline.value.retry() },
 

@@ -12,7 +12,7 @@ import { NONE, type Combine, type Indices } from "../state/indices";
 import { settings } from "../state/settings";
 import { look } from "../theme";
 import type { Pipeline } from "./pipeline";
-import type { Session } from "./session";
+import type { Session, Target } from "./session";
 
 const NO_MOVES: Design["moves"] = [];
 const NO_CREASES: Design["creases"] = [];
@@ -143,6 +143,10 @@ export class MeshScene {
         else viewport.fit(session.firstLook ?? "iso", false);
       }),
       effect(() => this.#placeGizmo()),
+      effect(() => {
+        const draws = session.gesture.value !== "click" && session.target.value !== "edges";
+        viewport.canvas.style.cursor = draws ? "crosshair" : "";
+      }),
     );
     session.scene.value = this;
   }
@@ -262,6 +266,11 @@ export class MeshScene {
     const isQuick = (this.#main.view.skin?.triangles.length ?? 0) < 3 * 400_000;
     const face = at && isQuick && this.#session.target.peek() === "faces" ? this.#picker.faceAt(at.x, at.y) : null;
     this.#main.view.setHover(face);
+    const target = this.#session.target.peek();
+    const isFew = (this.#main.view.givenPositions?.length ?? 0) < 3 * 20_000;
+    const pick = (wanted: Target) => (at && isFew && isQuick && target === wanted ? this.#at(at.x, at.y) : null);
+    this.#main.view.setHoverVertex(pick("vertices"));
+    this.#main.view.setHoverEdge(pick("edges"));
   }
 
   #placeGizmo(): void {

@@ -109,7 +109,11 @@ export class Session {
       const fit = this.main.fit.value;
       if (!fit) return;
       const said = fit.converged ? "passes through every vertex" : "has not converged";
-      announce(`The surface ${said}: largest distance ${fit.max.toExponential(1)} of the diagonal`);
+      // Only once nothing follows, or a slider would talk without end.
+      const timer = setTimeout(() => {
+        announce(`The surface ${said}: largest distance ${fit.max.toExponential(1)} of the diagonal`);
+      }, 350);
+      return () => clearTimeout(timer);
     });
   }
 

@@ -56,7 +56,14 @@ export class Gestures {
     canvas.addEventListener("pointermove", (e) => this.#onMove(e), options);
     canvas.addEventListener("pointerup", (e) => this.#onUp(e), options);
     canvas.addEventListener("pointercancel", () => this.#cancel(), options);
-    canvas.addEventListener("pointerleave", () => this.#setHover(null), options);
+    canvas.addEventListener(
+      "pointerleave",
+      () => {
+        this.#setHover(null);
+        if (!this.#down) this.#outline([]);
+      },
+      options,
+    );
   }
 
   dispose(): void {
@@ -82,7 +89,7 @@ export class Gestures {
       this.#viewport.controls.enabled = false;
       this.#viewport.canvas.setPointerCapture(event.pointerId);
       if (drawn === "brush") this.#listener.stroke(at, how, true);
-      this.#draw();
+      this.#outline(this.#down?.path ?? []);
     }
   }
 
@@ -91,12 +98,13 @@ export class Gestures {
     const down = this.#down;
     if (!down) {
       if (event.buttons === 0) this.#setHover(at);
+      this.#outline(this.#listener.drawn() === "brush" && event.buttons === 0 ? [at] : []);
       return;
     }
     if (event.pointerId !== down.id || !down.drawn) return;
     down.path.push(at);
     if (down.drawn === "brush") this.#listener.stroke(at, down.how, false);
-    this.#draw();
+    this.#outline(this.#down?.path ?? []);
   }
 
   #onUp(event: PointerEvent): void {
@@ -115,7 +123,7 @@ export class Gestures {
   #cancel(): void {
     this.#down = null;
     this.#viewport.controls.enabled = true;
-    this.#shape.setAttribute("d", "");
+    this.#outline([]);
   }
 
   #setHover(at: Place | null): void {
@@ -126,21 +134,22 @@ export class Gestures {
     });
   }
 
-  #draw(): void {
-    const down = this.#down;
-    if (!down) return;
-    const box = this.#viewport.canvas.getBoundingClientRect();
-    const local = ({ x, y }: Place) => `${x - box.left} ${y - box.top}`;
-    const last = down.path.at(-1)!;
+  /** Draws a path in the way of the gesture; none if it is empty. */
+  #outline(path: readonly Place[]): void {
+    const [first, last] = [path[0], path.at(-1)];
+    const drawn = this.#down ? this.#down.drawn : this.#listener.drawn();
     let d = "";
-    if (down.drawn === "box") {
-      const [a, b] = [down.at, last];
-      d = `M${local(a)}L${local({ x: b.x, y: a.y })}L${local(b)}L${local({ x: a.x, y: b.y })}Z`;
-    } else if (down.drawn === "lasso") {
-      d = `M${down.path.map(local).join("L")}Z`;
-    } else {
-      const r = this.#listener.brushRadius();
-      d = `M${local({ x: last.x - r, y: last.y })}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0Z`;
+    if (first && last) {
+      const box = this.#viewport.canvas.getBoundingClientRect();
+      const local = ({ x, y }: Place) => `${x - box.left} ${y - box.top}`;
+      if (drawn === "box") {
+        d = `M${local(first)}L${local({ x: last.x, y: first.y })}L${local(last)}L${local({ x: first.x, y: last.y })}Z`;
+      } else if (drawn === "lasso") {
+        d = `M${path.map(local).join("L")}Z`;
+      } else if (drawn === "brush") {
+        const r = this.#listener.brushRadius();
+        d = `M${local({ x: last.x - r, y: last.y })}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0Z`;
+      }
     }
     this.#shape.setAttribute("d", d);
   }

@@ -173,7 +173,9 @@ type ObjectName =
   | "selectedPoints"
   | "creases"
   | "selectedEdges"
-  | "outline";
+  | "outline"
+  | "hoverPoint"
+  | "hoverEdge";
 
 export class MeshView {
   readonly #viewport: Viewport;
@@ -205,6 +207,8 @@ export class MeshView {
     points: pointMaterial(7),
     boundary: pointMaterial(8, 5e-4),
     selectedPoints: pointMaterial(12, 8e-4),
+    hoverPoint: pointMaterial(12, 7e-4),
+    hoverEdge: new LineMaterial({ linewidth: 4, polygonOffset: true, polygonOffsetFactor: -3, polygonOffsetUnits: -6 }),
     creases: new LineMaterial({ linewidth: 3.5, polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -4 }),
     selectedEdges: new LineMaterial({ linewidth: 4, polygonOffset: true, polygonOffsetFactor: -3, polygonOffsetUnits: -6 }),
     outline: new LineMaterial({ linewidth: 2.5, polygonOffset: true, polygonOffsetFactor: -3, polygonOffsetUnits: -6 }),
@@ -235,6 +239,8 @@ export class MeshView {
       outline: new LineSegments2(new LineSegmentsGeometry(), m.outline),
       points: new THREE.Points(none(), m.points),
       boundary: new THREE.Points(none(), m.boundary),
+      hoverPoint: new THREE.Points(none(), m.hoverPoint),
+      hoverEdge: new LineSegments2(new LineSegmentsGeometry(), m.hoverEdge),
       selectedPoints: new THREE.Points(none(), m.selectedPoints),
     };
     let order = 0;
@@ -288,10 +294,12 @@ export class MeshView {
     paint(m.points, "colour", palette.point);
     paint(m.boundary, "colour", palette.boundary);
     paint(m.selectedPoints, "colour", palette.selected);
-    for (const points of [m.points, m.boundary, m.selectedPoints]) paint(points, "ring", palette.ring);
+    for (const points of [m.points, m.boundary, m.selectedPoints, m.hoverPoint]) paint(points, "ring", palette.ring);
     m.creases.color.set(palette.crease);
     m.selectedEdges.color.set(palette.selected);
     m.outline.color.set(palette.selected);
+    paint(m.hoverPoint, "colour", palette.hover);
+    m.hoverEdge.color.set(palette.hover);
     this.#viewport.invalidate();
   }
 
@@ -309,7 +317,8 @@ export class MeshView {
         this.#objects.hiddenEdges.geometry = lines;
         this.#replace("points", skin.sharing(new Uint32Array(0)).setIndex(null));
         this.#replace("boundary", skin.sharing(given.boundary));
-        this.#replace("selectedPoints", skin.sharing(new Uint32Array(0)));
+        this.#replace("selectedPoints", skin.sharing(NONE));
+        this.#replace("hoverPoint", skin.sharing(NONE));
         skin.geometry.computeBoundingBox();
         this.#viewport.setBounds(skin.geometry.boundingBox!);
       }
@@ -395,6 +404,28 @@ export class MeshView {
     this.#cover("hover", face === null ? new Uint32Array(0) : Uint32Array.of(face));
   }
 
+  /** The vertex under the pointer. */
+  setHoverVertex(vertex: number | null): void {
+    const { hoverPoint } = this.#objects;
+    if (vertex === null && !hoverPoint.visible) return;
+    hoverPoint.visible = vertex !== null && this.#givenSkin !== null;
+    const index = vertex === null ? NONE : Uint32Array.of(vertex);
+    hoverPoint.geometry.setIndex(new THREE.BufferAttribute(index, 1));
+    this.#viewport.invalidate();
+  }
+
+  /** The edge under the pointer. */
+  setHoverEdge(edge: number | null): void {
+    const object = this.#objects.hoverEdge as LineSegments2;
+    if (edge === null && !object.visible) return;
+    object.visible = edge !== null && this.#given !== null;
+    if (edge !== null && this.#given) {
+      release(object.geometry);
+      object.geometry = new LineSegmentsGeometry().setPositions(this.#placesOf(Uint32Array.of(edge), this.#given));
+    }
+    this.#viewport.invalidate();
+  }
+
   setVertices(vertices: Indices): void {
     const { selectedPoints } = this.#objects;
     const count = (this.#givenSkin?.positions.length ?? 0) / 3;
@@ -456,9 +487,8 @@ export class MeshView {
     this.#materials.points.uniforms["size"]!.value = this.#pointSize();
     o.boundary.visible = hasGiven && shown.boundary;
     const pixels = this.#viewport.renderer.getPixelRatio();
-    for (const m of [this.#materials.points, this.#materials.boundary, this.#materials.selectedPoints]) {
-      m.uniforms["pixels"]!.value = pixels;
-    }
+    const { points, boundary, selectedPoints, hoverPoint } = this.#materials;
+    for (const m of [points, boundary, selectedPoints, hoverPoint]) m.uniforms["pixels"]!.value = pixels;
     this.#viewport.invalidate();
   }
 
@@ -491,13 +521,14 @@ export class MeshView {
       const given = this.#given;
       object.visible = edges.length > 0 && given !== null && (name !== "creases" || this.#shown?.creases !== false);
       if (!object.visible || !given) continue;
-      const places =
-        this.#surface && this.#shown?.surface !== false
-          ? this.#alongSurface(edges, given, this.#surface)
-          : this.#straight(edges, given.ends);
       release(object.geometry);
-      object.geometry = new LineSegmentsGeometry().setPositions(places);
+      object.geometry = new LineSegmentsGeometry().setPositions(this.#placesOf(edges, given));
     }
+  }
+
+  #placesOf(edges: Indices, given: GivenMesh): Float32Array {
+    const hasSurface = this.#surface && this.#shown?.surface !== false;
+    return hasSurface ? this.#alongSurface(edges, given, this.#surface!) : this.#straight(edges, given.ends);
   }
 
   /** The rim of the selected faces. */

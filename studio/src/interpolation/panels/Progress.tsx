@@ -1,3 +1,4 @@
+import * as actions from "../../actions";
 import { Button } from "../../panels/controls";
 import type { Session } from "../session";
 
@@ -16,7 +17,7 @@ export function Progress({ session }: { session: Session }) {
       <span>
         {last.stage}, update {last.iteration}: {last.max.toExponential(1)}
       </span>
-      <Button onClick={() => void pipeline.cancel()} testid="cancel">
+      <Button onClick={() => actions.run("fit.cancel")} testid="cancel">
         Stop
       </Button>
     </div>
