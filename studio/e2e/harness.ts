@@ -171,8 +171,8 @@ export class Studio {
   // -------------------------------------------------------------- looking
 
   control(name: string) {
-    // Some commands have two buttons.
-    return this.page.getByTestId(name).first();
+    // Some commands have two buttons, of which one is out of sight.
+    return this.page.getByTestId(name).filter({ visible: true }).first();
   }
 
   text(name: string): Promise<string> {

@@ -4,6 +4,7 @@
 import type { Session } from "./interpolation/session";
 import { list, run } from "./actions";
 import { message, status } from "./announce";
+import { fingerprint } from "./fingerprint";
 import { MEASURES, summary } from "./perf";
 import { settings } from "./state/settings";
 import { streamHooks, type StreamHooks } from "./stream/testing";
@@ -57,15 +58,6 @@ export function offerTestHooks(studio: Studio, session: Session, stream: StreamS
     flush: () => studio.autosave.flush(),
     stream: streamHooks(stream),
   };
-}
-
-/** The bits of numbers as one, by FNV-1a: another number if any of them changes. */
-function fingerprint(numbers: Float32Array): number {
-  let hash = 0x811c9dc5;
-  for (const word of new Uint32Array(numbers.buffer, numbers.byteOffset, numbers.length)) {
-    hash = Math.imul(hash ^ word, 0x01000193);
-  }
-  return hash >>> 0;
 }
 
 export type Snapshot = ReturnType<typeof snapshot>;
