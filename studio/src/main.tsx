@@ -45,6 +45,8 @@ async function begin(): Promise<void> {
   const served = isServed() ? await servedFile() : null;
   if (served) {
     await studio.open(served);
+    // It is what one began with, and nothing to undo.
+    studio.history.reset(studio.history.present.peek());
     return;
   }
   const isBack = await studio.restore().catch(() => false);

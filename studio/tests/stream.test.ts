@@ -142,6 +142,8 @@ test("places and lines of grids", () => {
 /** A kernel for models that computes nothing; `hold` makes its next tangents wait for `letGo`. */
 class FakeStream {
   readonly calls: string[] = [];
+  /** Patches that move when a tangent is set. */
+  others = new Uint32Array(0);
   refuse: (model: unknown) => boolean = () => false;
   #waiting: (() => void)[] | null = null;
   #infos: PatchInfo[] = [];
@@ -176,7 +178,7 @@ class FakeStream {
   async setTangent(index: number, row: number, column: number, tangent: Triple): Promise<PatchGeometry> {
     this.calls.push(`tangent ${index} ${row} ${column} ${tangent.join(" ")}`);
     if (this.#waiting) await new Promise<void>((go) => this.#waiting!.push(go));
-    return geometry();
+    return { ...geometry(), others: this.others };
   }
 
   async setComponent(tangent: Triple, axis: number, value: number): Promise<Triple> {
@@ -252,6 +254,17 @@ test("opening draws every patch and is one thing to undo", async () => {
   expect(session.geometries.value).toHaveLength(2);
   expect(kernel.calls).toEqual(["open a.streamline.json", "patch 0", "patch 1"]);
   expect(studio.history.undoLabel).toBe("Open a.streamline.json");
+});
+
+test("patches that move with a tangent are drawn again, and no others", async () => {
+  await session.open(file({ patches: [patch, patch, patch], stitch: true }));
+  await session.idle();
+  session.select({ row: 1, column: 0 }, 0);
+  kernel.others = Uint32Array.of(1);
+  kernel.calls.length = 0;
+  session.setTangent(Y);
+  await session.idle();
+  expect(kernel.calls).toEqual(["tangent 0 1 0 0 1 0", "patch 1"]);
 });
 
 test("an undo while a file is opened does not take the kernel elsewhere", async () => {

@@ -3,11 +3,15 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use crate::command::{Result, cargo, output, root, step, succeeds};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 const PLACE: &str = "studio/src/kernel/wasm";
+/// For a download of some 30 MB.
+const PATIENCE: Duration = Duration::from_mins(2);
 /// Of the npm package with `wasm-opt`, where the studio has not installed one.
 const BINARYEN: &str = "binaryen@132";
 
@@ -43,10 +47,7 @@ fn compiler() -> Result<Command> {
         return Ok(build);
     }
     if !fallback.exists() {
-        // Where there is no server, it does not fail but waits.
-        let mut add = Command::new("timeout");
-        add.args(["60", "rustup", "target", "add", TARGET]).current_dir(root());
-        if !force && succeeds(&mut add) && has_target() {
+        if !force && add_target() && has_target() {
             return Ok(build);
         }
         let mut make = Command::new("sh");
@@ -66,6 +67,28 @@ fn has_target() -> bool {
     let mut rustc = Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
     rustc.args(["--print", "target-libdir", "--target", TARGET]).current_dir(root());
     output(&mut rustc).is_ok_and(|place| Path::new(place.trim()).is_dir())
+}
+
+/// Asks rustup for the target. Where it reaches no server, it does not fail but waits, so it gets its time
+/// and no more.
+fn add_target() -> bool {
+    eprintln!("\n── asking rustup for {TARGET}");
+    let mut add = Command::new("rustup");
+    let Ok(mut child) = add.args(["target", "add", TARGET]).current_dir(root()).spawn() else {
+        return false;
+    };
+    let begin = Instant::now();
+    while begin.elapsed() < PATIENCE {
+        match child.try_wait() {
+            Ok(None) => sleep(Duration::from_millis(200)),
+            Ok(Some(status)) => return status.success(),
+            Err(_) => break,
+        }
+    }
+    // It may have ended just now.
+    let _ = child.kill();
+    let _ = child.wait();
+    false
 }
 
 /// Smaller and faster, by `wasm-opt`; without it all works as well.

@@ -1,6 +1,7 @@
 //! [`MeshData`]: what a mesh file holds.
 
 use std::collections::HashMap;
+use std::iter;
 
 use fairform::{Faces, Vec3};
 
@@ -111,6 +112,30 @@ pub(crate) fn push_face(
     }
     faces.push(corners);
     Ok(())
+}
+
+/// All faces of some parts.
+///
+/// # Errors
+/// If the corners become too many to count in 32 bits.
+pub(crate) fn join_faces(mut parts: Vec<Faces>) -> Result<Faces, ParseError> {
+    if parts.len() == 1 {
+        return Ok(parts.swap_remove(0));
+    }
+    let mut tasks = Vec::with_capacity(parts.len());
+    let mut before = 0;
+    let starts: Vec<_> = parts.iter().map(Faces::starts).collect();
+    for (part, starts) in parts.iter().zip(&starts) {
+        tasks.push((&starts[1..], before as u32));
+        before += part.corners().len();
+        if before > u32::MAX as usize {
+            return Err(too_many_corners(Place::File));
+        }
+    }
+    let starts = par::map(tasks, |(ends, before)| ends.iter().map(|end| before + end).collect());
+    let starts: Vec<Vec<u32>> = iter::once(vec![0]).chain(starts).collect();
+    let corners: Vec<&[u32]> = parts.iter().map(Faces::corners).collect();
+    Ok(Faces::from_starts(par::join(starts), par::concat(&corners)))
 }
 
 pub(crate) fn too_many_corners(place: Place) -> ParseError {

@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 use crate::data::{MeshData, WriteOptions};
 use crate::error::{Error, ParseError};
-use crate::{gltf, gzip, obj, off, ply, stl};
+use crate::{gltf, gzip, obj, off, par, ply, stl};
 
 /// A mesh file format.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -83,17 +83,28 @@ impl FromStr for Format {
 /// If the bytes are not what the format asks for; the error says where.
 pub fn parse(bytes: &[u8], format: Format) -> Result<MeshData, ParseError> {
     if gzip::is_gzip(bytes) {
-        return parse_plain(&gzip::unpack(bytes)?, format);
+        let bytes = gzip::unpack(bytes)?;
+        return parse_in_parts(&bytes, format, par::part_count(bytes.len()));
     }
-    parse_plain(bytes, format)
+    parse_in_parts(bytes, format, par::part_count(bytes.len()))
 }
 
-fn parse_plain(bytes: &[u8], format: Format) -> Result<MeshData, ParseError> {
+/// As [`parse`], of bytes that are not gzipped, with a text cut into about so many parts. The mesh or
+/// error is the same for any number: for tests, which want many parts of a short text.
+///
+/// # Errors
+/// As [`parse`].
+#[doc(hidden)]
+pub fn parse_in_parts(
+    bytes: &[u8],
+    format: Format,
+    part_count: usize,
+) -> Result<MeshData, ParseError> {
     match format {
-        Format::Obj => obj::parse(bytes),
-        Format::Off => off::parse(bytes),
-        Format::Ply => ply::parse(bytes),
-        Format::Stl => stl::parse(bytes),
+        Format::Obj => obj::parse(bytes, part_count),
+        Format::Off => off::parse(bytes, part_count),
+        Format::Ply => ply::parse(bytes, part_count),
+        Format::Stl => stl::parse(bytes, part_count),
         Format::Gltf | Format::Glb => gltf::parse_with_buffers(bytes, &mut |name| {
             Err(format!("the buffer is in another file, '{name}', which is not at hand"))
         }),

@@ -37,6 +37,7 @@ mod file;
 mod format;
 mod gltf;
 mod gzip;
+mod lines;
 mod obj;
 mod off;
 mod par;
@@ -55,6 +56,8 @@ pub use data::{Labels, MeshData, WriteOptions};
 pub use error::{Error, ParseError, Place};
 #[cfg(feature = "files")]
 pub use file::{discard_pending, discard_pending_then, read, save, write, write_blocks};
+#[doc(hidden)]
+pub use format::parse_in_parts;
 pub use format::{Format, encode, parse};
 pub use gltf::parse_with_buffers;
 pub use gzip::limit as gzip_limit;

@@ -12,7 +12,7 @@ use std::io::Write;
 use std::mem::take;
 use std::ops::Range;
 
-use fairform::{Faces, NONE, Vec3};
+use fairform::{FaceId, Faces, NONE, Vec3};
 
 use crate::crease::CreaseList;
 use crate::data::{
@@ -24,16 +24,11 @@ use crate::par;
 use crate::stream::{Attributes, Checked};
 use crate::text::{NumberWriter, ROWS, Scanner, counted, quoted};
 
-/// The mesh in an OBJ file.
-pub(crate) fn parse(bytes: &[u8]) -> Result<MeshData, ParseError> {
-    parse_in_parts(bytes, par::part_count(bytes.len()))
-}
-
-/// Reads a file in parts that end with a statement. A file with a fault is read again as a whole,
-/// so that its errors and notes are those of one reader that sees all before.
-fn parse_in_parts(bytes: &[u8], part_count: usize) -> Result<MeshData, ParseError> {
+/// The mesh in an OBJ file, read in so many parts, which end with a statement. A file with a fault is
+/// read again as a whole, so that its errors and notes are those of one reader that sees all before.
+pub(crate) fn parse(bytes: &[u8], part_count: usize) -> Result<MeshData, ParseError> {
     let text = Scanner::new(bytes)?;
-    let parts = text.parts(part_count, true);
+    let parts = text.parts(part_count, ends_statement);
     if parts.len() > 1 {
         let parts = par::map(parts, |part| Reader::new(part, true).statements());
         let joined = parts.into_iter().collect::<Result<_, _>>().ok().and_then(Reader::joined);
@@ -42,6 +37,11 @@ fn parse_in_parts(bytes: &[u8], part_count: usize) -> Result<MeshData, ParseErro
         }
     }
     Reader::new(text, false).statements()?.finish()
+}
+
+/// Whether no backslash continues a text on the next line.
+fn ends_statement(text: &[u8], _: &[u8]) -> bool {
+    !text.strip_suffix(b"\r").unwrap_or(text).ends_with(b"\\")
 }
 
 /// Statements of the format that do not describe polygons.
@@ -1012,7 +1012,7 @@ fn face_rows(
     rows: Range<usize>,
     out: &mut Vec<u8>,
 ) {
-    let (start, corners) = (data.faces.starts(), data.faces.corners());
+    let corners = data.faces.corners();
     let mut numbers = NumberWriter::new(false);
     for face in rows {
         let labels = [("g ", &data.groups), ("usemtl ", &data.materials)];
@@ -1032,7 +1032,7 @@ fn face_rows(
             }
         }
         out.push(b'f');
-        let own = start[face] as usize..start[face + 1] as usize;
+        let own = data.faces.range(FaceId(face as u32));
         for (corner, &vertex) in own.clone().zip(&corners[own]) {
             let (uv, normal) = (uvs.get(corner, vertex), normals.get(corner, vertex));
             out.push(b' ');
@@ -1127,16 +1127,16 @@ mod tests {
     ];
 
     fn same(text: &[u8]) {
-        let whole = parse_in_parts(text, 1);
+        let whole = parse(text, 1);
         for parts in [2, 3, 7, text.len()] {
             // NaN does not occur, so equal is the same.
-            assert_eq!(parse_in_parts(text, parts), whole, "{parts} parts");
+            assert_eq!(parse(text, parts), whole, "{parts} parts");
         }
     }
 
     /// Whether the text is read in parts, and not again.
     fn is_joined(text: &str, parts: usize) -> bool {
-        let parts = Scanner::new(text.as_bytes()).unwrap().parts(parts, true);
+        let parts = Scanner::new(text.as_bytes()).unwrap().parts(parts, ends_statement);
         let parts: Vec<_> = parts
             .into_iter()
             .map(|part| Reader::new(part, true).statements())
@@ -1151,7 +1151,7 @@ mod tests {
             usemtl m\nv 1 1 1\nf 4/1/1 -1/1/1 -2/1/1\nt hole 1/0/0 1\n";
         assert!(is_joined(text, 5) && is_joined(text, 12));
         same(text.as_bytes());
-        let data = parse_in_parts(text.as_bytes(), 12).unwrap();
+        let data = parse(text.as_bytes(), 12).unwrap();
         assert_eq!(data.faces.corners(), [0, 1, 2, 0, 1, 2, 3, 3, 2]);
         assert_eq!(data.groups.unwrap().of_face, [0, 0, 0]);
     }
@@ -1166,7 +1166,7 @@ mod tests {
         ] {
             let text = format!("{good}{bad}{good}");
             for parts in [1, 2, 5, 30] {
-                let error = parse_in_parts(text.as_bytes(), parts).unwrap_err().to_string();
+                let error = parse(text.as_bytes(), parts).unwrap_err().to_string();
                 assert!(error.starts_with(message), "{error}");
             }
         }

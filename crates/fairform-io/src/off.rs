@@ -7,15 +7,18 @@
 //! Source: Geomview manual, section "OFF: the Object File Format".
 
 use std::io::Write;
+use std::mem::take;
 use std::ops::Range;
 
-use fairform::{Faces, Vec3};
+use fairform::{FaceId, Faces, Vec3};
 
 use crate::data::{
-    MeshData, WriteOptions, all_exact_bytes, exact_bytes, push_face, scale_large_colours,
+    MeshData, WriteOptions, all_exact_bytes, exact_bytes, join_faces, scale_large_colours,
+    too_many_corners,
 };
 use crate::error::{Error, ParseError, Place};
 use crate::format::{NORMALS_PER_CORNER, left_out};
+use crate::lines::Lines;
 use crate::par;
 use crate::stream::{Attributes, Checked, Shape};
 use crate::text::{NumberWriter, ROWS, Scanner, counted, quoted};
@@ -28,8 +31,9 @@ struct Kind {
     uvs: bool,
 }
 
-/// The mesh in an OFF file.
-pub(crate) fn parse(bytes: &[u8]) -> Result<MeshData, ParseError> {
+/// The mesh in an OFF file. One that has a line for each vertex and face is read in so many parts; one
+/// with a fault is read again as a whole, so that its error is that of a reader that sees all before.
+pub(crate) fn parse(bytes: &[u8], part_count: usize) -> Result<MeshData, ParseError> {
     let mut text = Scanner::new(bytes)?;
     let kind = read_kind(&mut text)?;
     let (vertex_count, face_count) = read_counts(&mut text)?;
@@ -43,11 +47,16 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<MeshData, ParseError> {
         )));
     }
     let (vertex_count, face_count) = (vertex_count as usize, face_count as usize);
-    let mut reader = Reader { by_line: true, text, data: MeshData::default() };
-    reader.by_line = reader.is_by_line(kind, vertex_count, face_count);
-    reader.vertices(kind, vertex_count)?;
-    reader.faces(face_count)?;
-    Ok(reader.data)
+    let lines = Lines::new(&text, part_count, true);
+    let by_line = is_by_line(&lines, kind, vertex_count, face_count);
+    let file = File { kind, by_line, vertex_count, face_count };
+    if part_count > 1
+        && lines.len() >= vertex_count + face_count
+        && let Some(data) = file.in_parts(&lines)
+    {
+        return Ok(data);
+    }
+    file.as_whole(text)
 }
 
 /// Reads the first word, if it is no number.
@@ -113,45 +122,139 @@ fn read_counts(text: &mut Scanner<'_>) -> Result<(u64, u64), ParseError> {
     Ok((vertices, faces))
 }
 
-struct Reader<'a> {
-    text: Scanner<'a>,
+/// Whether the file is cut into lines: there are enough of them, or the first vertex has one.
+fn is_by_line(lines: &Lines<'_>, kind: Kind, vertices: usize, faces: usize) -> bool {
+    if lines.len() >= vertices + faces {
+        return true;
+    }
+    let Some(mut text) = lines.start(0).filter(|_| vertices > 0) else { return false };
+    let plain = 3 + 3 * usize::from(kind.normals) + 2 * usize::from(kind.uvs);
+    let colour = if kind.colours { 3..=4 } else { 0..=0 };
+    let words = words_left(&mut text);
+    words >= plain && colour.contains(&(words - plain))
+}
+
+/// How many words are left on this line. Goes to its end.
+fn words_left(text: &mut Scanner<'_>) -> usize {
+    let mut words = 0;
+    while !text.is_at_line_end() {
+        text.word();
+        words += 1;
+    }
+    words
+}
+
+/// What is known of a file before its vertices are read.
+#[derive(Clone, Copy)]
+struct File {
+    kind: Kind,
     /// Whether every vertex and face has a line of its own, so that more may stand on it.
     by_line: bool,
-    data: MeshData,
+    vertex_count: usize,
+    face_count: usize,
+}
+
+impl File {
+    /// The mesh, whose vertices and faces are one on each line; `None` if there is a fault.
+    fn in_parts(self, lines: &Lines<'_>) -> Option<MeshData> {
+        let end = self.vertex_count + self.face_count;
+        let vertices = lines
+            .map(0..self.vertex_count, |text, rows| Reader { text, file: self }.vertices(rows));
+        let vertices = Vertices::joined(vertices.into_iter().collect::<Result<_, _>>().ok()?);
+        let faces = lines.map(self.vertex_count..end, |text, rows| {
+            let rows = rows.start - self.vertex_count..rows.end - self.vertex_count;
+            Reader { text, file: self }.faces(rows)
+        });
+        let (faces, coloured): (Vec<_>, Vec<_>) =
+            faces.into_iter().collect::<Result<Vec<_>, _>>().ok()?.into_iter().unzip();
+        let faces = (join_faces(faces).ok()?, coloured.into_iter().sum());
+        Some(self.mesh(vertices, faces, lines.start(end)))
+    }
+
+    /// The mesh, read from the first vertex to the last face.
+    fn as_whole(self, text: Scanner<'_>) -> Result<MeshData, ParseError> {
+        let mut reader = Reader { text, file: self };
+        let vertices = reader.vertices(0..self.vertex_count)?;
+        let faces = reader.faces(0..self.face_count)?;
+        reader.seek(true);
+        let behind = (!reader.text.is_at_end()).then_some(reader.text);
+        Ok(self.mesh(vertices, faces, behind))
+    }
+
+    /// The mesh of vertices, and faces of which some have colours. `behind` is at text that is left.
+    fn mesh(
+        self,
+        vertices: Vertices,
+        (faces, coloured): (Faces, usize),
+        behind: Option<Scanner<'_>>,
+    ) -> MeshData {
+        let mut notes = Vec::new();
+        if vertices.extra > 0 {
+            let n = counted(vertices.extra, "vertex");
+            notes.push(format!("more numbers than expected at {n}: left out"));
+        }
+        let mut colours = vertices.colours;
+        let largest = colours.iter().flatten().fold(0.0, |a: f64, b: &f64| a.max(*b));
+        if !vertices.fractions && largest > 1.0 {
+            colours.iter_mut().flatten().for_each(|c| *c /= 255.0);
+        } else {
+            scale_large_colours(&mut colours, &mut notes);
+        }
+        if coloured > 0 {
+            notes.push(format!("colours of {} left out", counted(coloured, "face")));
+        }
+        if let Some(text) = behind {
+            let line = text.line_of(text.at);
+            notes.push(format!("text from line {line} on, behind the last face, unread"));
+        }
+        MeshData {
+            positions: vertices.positions,
+            faces,
+            normals: self.kind.normals.then_some(vertices.normals),
+            colours: self.kind.colours.then_some(colours),
+            uvs: self.kind.uvs.then_some(vertices.uvs),
+            notes,
+            ..MeshData::default()
+        }
+    }
+}
+
+/// Vertices that stand one behind the other in a file.
+#[derive(Default)]
+struct Vertices {
+    positions: Vec<Vec3>,
+    normals: Vec<Vec3>,
+    colours: Vec<[f64; 4]>,
+    uvs: Vec<[f64; 2]>,
+    /// Whether a colour is not written as whole numbers.
+    fractions: bool,
+    /// How many have more numbers on their line.
+    extra: usize,
+}
+
+impl Vertices {
+    fn joined(mut parts: Vec<Self>) -> Self {
+        Self {
+            positions: par::join(parts.iter_mut().map(|part| take(&mut part.positions)).collect()),
+            normals: par::join(parts.iter_mut().map(|part| take(&mut part.normals)).collect()),
+            colours: par::join(parts.iter_mut().map(|part| take(&mut part.colours)).collect()),
+            uvs: par::join(parts.iter_mut().map(|part| take(&mut part.uvs)).collect()),
+            fractions: parts.iter().any(|part| part.fractions),
+            extra: parts.iter().map(|part| part.extra).sum(),
+        }
+    }
+}
+
+/// Reads vertices and faces of a file, or of a part of it.
+struct Reader<'a> {
+    text: Scanner<'a>,
+    file: File,
 }
 
 impl Reader<'_> {
-    /// Whether the file is cut into lines: there are enough of them, or the first vertex has one.
-    fn is_by_line(&self, kind: Kind, vertices: usize, faces: usize) -> bool {
-        let mut text = self.text;
-        let mut lines = 0;
-        let mut first_line = None;
-        while lines < vertices + faces {
-            text.skip_space_and_comments();
-            if text.is_at_end() {
-                break;
-            }
-            let mut words = 0;
-            if first_line.is_none() {
-                while !text.is_at_line_end() {
-                    text.word();
-                    words += 1;
-                }
-            }
-            first_line.get_or_insert(words);
-            text.skip_line();
-            lines += 1;
-        }
-        let plain = 3 + 3 * usize::from(kind.normals) + 2 * usize::from(kind.uvs);
-        let colour = if kind.colours { 3..=4 } else { 0..=0 };
-        lines >= vertices + faces
-            || vertices > 0
-                && first_line.is_some_and(|n| n >= plain && colour.contains(&(n - plain)))
-    }
-
     /// Goes to the next number, over line ends only where the line may end.
     fn seek(&mut self, may_cross_line: bool) {
-        if may_cross_line || !self.by_line {
+        if may_cross_line || !self.file.by_line {
             self.text.skip_space_and_comments();
         } else {
             self.text.skip_blanks();
@@ -177,72 +280,51 @@ impl Reader<'_> {
         Ok(values)
     }
 
-    fn vertices(&mut self, kind: Kind, count: usize) -> Result<(), ParseError> {
-        let mut colours = Vec::new();
-        let mut normals = Vec::new();
-        let mut uvs = Vec::new();
-        let mut whole_colours = true;
-        let mut extra = 0;
-        self.data.positions.reserve_exact(count);
-        for done in 0..count {
+    /// Reads vertices, which the text is at.
+    fn vertices(&mut self, rows: Range<usize>) -> Result<Vertices, ParseError> {
+        let File { kind, by_line, vertex_count, .. } = self.file;
+        let mut vertices = Vertices::default();
+        vertices.positions.reserve_exact(rows.len());
+        for done in rows {
             self.seek(true);
-            self.check_end(done, count, "vertex")?;
-            let mut read = || -> Result<(), ParseError> {
-                let position: [f64; 3] = self.numbers()?;
-                self.data.positions.push(position.into());
-                if kind.normals {
-                    normals.push(Vec3::from(self.numbers::<3>()?));
-                }
-                if kind.colours {
-                    let from = self.text.at;
-                    colours.push(self.colour(kind)?);
-                    let written = &self.text.bytes[from..self.text.at];
-                    whole_colours &= !written.iter().any(|b| matches!(b, b'.' | b'e' | b'E'));
-                }
-                if kind.uvs {
-                    uvs.push(self.numbers::<2>()?);
-                }
-                Ok(())
-            };
-            if let Err(error) = read() {
+            self.check_end(done, vertex_count, "vertex")?;
+            if let Err(error) = self.vertex(kind, &mut vertices) {
                 // Cut in the middle of a vertex.
-                self.check_end(done, count, "vertex")?;
+                self.check_end(done, vertex_count, "vertex")?;
                 return Err(error);
             }
-            if self.by_line && !self.text.is_at_line_end() {
-                extra += 1;
+            if by_line && !self.text.is_at_line_end() {
+                vertices.extra += 1;
                 self.text.skip_line();
             }
         }
-        if extra > 0 {
-            let n = counted(extra, "vertex");
-            self.data.notes.push(format!("more numbers than expected at {n}: left out"));
+        Ok(vertices)
+    }
+
+    fn vertex(&mut self, kind: Kind, vertices: &mut Vertices) -> Result<(), ParseError> {
+        let position: [f64; 3] = self.numbers()?;
+        vertices.positions.push(position.into());
+        if kind.normals {
+            vertices.normals.push(Vec3::from(self.numbers::<3>()?));
         }
         if kind.colours {
-            let largest = colours.iter().flatten().fold(0.0, |a: f64, b: &f64| a.max(*b));
-            if whole_colours && largest > 1.0 {
-                colours.iter_mut().flatten().for_each(|c| *c /= 255.0);
-            } else {
-                scale_large_colours(&mut colours, &mut self.data.notes);
-            }
-            self.data.colours = Some(colours);
+            let from = self.text.at;
+            vertices.colours.push(self.colour(kind)?);
+            let written = &self.text.bytes[from..self.text.at];
+            vertices.fractions |= written.iter().any(|b| matches!(b, b'.' | b'e' | b'E'));
         }
-        self.data.normals = kind.normals.then_some(normals);
-        self.data.uvs = kind.uvs.then_some(uvs);
+        if kind.uvs {
+            vertices.uvs.push(self.numbers::<2>()?);
+        }
         Ok(())
     }
 
     /// A colour of four numbers, or of three where the line says so; alpha is then full.
     fn colour(&mut self, kind: Kind) -> Result<[f64; 4], ParseError> {
         let [r, g, b] = self.numbers()?;
-        if self.by_line {
+        if self.file.by_line {
             let mut rest = self.text;
-            let mut left = 0;
-            while !rest.is_at_line_end() {
-                rest.word();
-                left += 1;
-            }
-            if left == if kind.uvs { 2 } else { 0 } {
+            if words_left(&mut rest) == if kind.uvs { 2 } else { 0 } {
                 // Of 3 numbers, none says whether they count to 1 or to 255.
                 let full = if [r, g, b].iter().any(|c| *c > 1.0) { 255.0 } else { 1.0 };
                 return Ok([r, g, b, full]);
@@ -252,12 +334,13 @@ impl Reader<'_> {
         Ok([r, g, b, a])
     }
 
-    fn faces(&mut self, count: usize) -> Result<(), ParseError> {
-        let vertices = self.data.positions.len();
-        let mut faces = Faces::with_capacity(count, 0);
+    /// Reads faces, which the text is at, and says how many have colours.
+    fn faces(&mut self, rows: Range<usize>) -> Result<(Faces, usize), ParseError> {
+        let File { by_line, vertex_count: vertices, face_count: count, .. } = self.file;
+        let mut faces = Faces::with_capacity(rows.len(), 0);
         let mut corners = Vec::new();
         let mut coloured = 0;
-        for face in 0..count {
+        for face in rows {
             self.seek(true);
             self.check_end(face, count, "face")?;
             let size = self.text.count("a corner count")?;
@@ -285,26 +368,15 @@ impl Reader<'_> {
                 }
             }
             if faces.corners().len() + corners.len() > u32::MAX as usize {
-                let place = Place::Line(self.text.line_of(self.text.at));
-                return push_face(&mut faces, &corners, place);
+                return Err(too_many_corners(Place::Line(self.text.line_of(self.text.at))));
             }
             faces.push(&corners);
-            if self.by_line && !self.text.is_at_line_end() {
+            if by_line && !self.text.is_at_line_end() {
                 coloured += 1;
                 self.text.skip_line();
             }
         }
-        self.data.faces = faces;
-        if coloured > 0 {
-            let n = counted(coloured, "face");
-            self.data.notes.push(format!("colours of {n} left out"));
-        }
-        self.seek(true);
-        if !self.text.is_at_end() {
-            let line = self.text.line_of(self.text.at);
-            self.data.notes.push(format!("text from line {line} on, behind the last face, unread"));
-        }
-        Ok(())
+        Ok((faces, coloured))
     }
 }
 
@@ -399,9 +471,8 @@ fn vertex_rows(
 /// Appends the lines of some faces.
 fn face_rows(data: &MeshData, rows: Range<usize>, out: &mut Vec<u8>) {
     let mut numbers = NumberWriter::new(false);
-    let (start, corners) = (data.faces.starts(), data.faces.corners());
     for face in rows {
-        let face = &corners[start[face] as usize..start[face + 1] as usize];
+        let face = data.faces.get(FaceId(face as u32));
         numbers.whole(out, face.len() as u64);
         for &v in face {
             out.push(b' ');
@@ -425,5 +496,35 @@ fn write_fractions(out: &mut Vec<u8>, numbers: &mut NumberWriter, values: &[f64;
         if value.fract() == 0.0 && value.abs() < 1e6 {
             out.extend_from_slice(b".0");
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether the text is read in parts, and not again.
+    fn is_in_parts(text: &str, kind: Kind, [vertex_count, face_count]: [usize; 2]) -> bool {
+        let mut text = Scanner { bytes: text.as_bytes(), at: 0 };
+        text.skip_line();
+        text.skip_line();
+        let lines = Lines::new(&text, 5, true);
+        File { kind, by_line: true, vertex_count, face_count }.in_parts(&lines).is_some()
+    }
+
+    #[test]
+    fn a_line_each_is_read_in_parts() {
+        let kind = Kind { colours: true, normals: true, uvs: true };
+        let text = "STCNOFF\n4 3 0\n\n0 0 0 0 0 1 255 0 0 1 0\r\n# no vertex\n1 0 0 0 0 1 1 2 3 1 1 # one\n\
+            \t1 1 0 0 0 1 0 0 0 0 0 7 8\n\n 0 1 0 0 0 1 9 9 9 0 0\n3 0 1 2\n0\n4 0 1 2 3 255 0 0\n\nbehind\n";
+        assert!(is_in_parts(text, kind, [4, 3]));
+        let whole = parse(text.as_bytes(), 1).unwrap();
+        assert_eq!(whole.notes.len(), 3, "{:?}", whole.notes);
+        assert_eq!(*whole.faces.starts(), [0, 3, 3, 7]);
+        assert_eq!(whole.colours.as_ref().unwrap()[0], [1.0, 0.0, 0.0, 1.0]);
+        for parts in 2..text.len() {
+            assert_eq!(parse(text.as_bytes(), parts).as_ref(), Ok(&whole), "{parts} parts");
+        }
+        assert!(!is_in_parts(&text.replace("4 0 1 2 3", "4 0 1\n2 3"), kind, [4, 3]));
     }
 }

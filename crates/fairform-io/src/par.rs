@@ -85,6 +85,14 @@ pub(crate) fn concat<T: Zeroable + Copy + Send + Sync>(parts: &[&[T]]) -> Vec<T>
     out
 }
 
+/// All parts one behind the other; a part that is alone is not copied.
+pub(crate) fn join<T: Zeroable + Copy + Send + Sync>(mut parts: Vec<Vec<T>>) -> Vec<T> {
+    match parts.len() {
+        1 => parts.swap_remove(0),
+        _ => concat(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>()),
+    }
+}
+
 /// The largest number.
 pub(crate) fn max(numbers: &[u32]) -> Option<u32> {
     map(numbers.chunks(BLOCK), |block| block.iter().copied().max()).into_iter().flatten().max()

@@ -10,9 +10,13 @@ mod body;
 mod header;
 mod writer;
 
+use std::mem::take;
+use std::ops::Range;
+
+use bytemuck::Zeroable;
 use fairform::{Faces, Vec3};
 
-use crate::data::{MeshData, push_face, scale_large_colours};
+use crate::data::{MeshData, join_faces, push_face, scale_large_colours, too_many_corners};
 use crate::error::{ParseError, Place};
 use crate::par;
 use crate::text::{Scanner, counted, quoted};
@@ -21,36 +25,35 @@ use header::{Element, Encoding, Property, Scalar, read_header};
 
 pub(crate) use writer::{encode, encode_blocks};
 
-/// The mesh in a PLY file.
-pub(crate) fn parse(bytes: &[u8]) -> Result<MeshData, ParseError> {
+/// The mesh in a PLY file. A text that has a line for each row is read in so many parts; one with a
+/// fault is read again as a whole, so that its error is that of a reader that sees all before.
+pub(crate) fn parse(bytes: &[u8], part_count: usize) -> Result<MeshData, ParseError> {
     let mut text = Scanner::new(bytes)?;
     let (encoding, elements) = read_header(&mut text)?;
-    let vertex_count = elements.iter().find(|e| e.name == b"vertex").map_or(0, |e| e.count);
-    let mut reader = Reader { data: MeshData::default(), vertex_count, index_at: 0 };
-    let end = match encoding {
+    match encoding {
         Encoding::Ascii => {
-            let mut body = AsciiBody { text };
-            reader.elements(&mut body, &elements)?;
-            body.text.skip_space();
-            body.text.at
+            if part_count > 1
+                && let Ok(data) = read(AsciiBody::in_parts(text, part_count), &elements)
+            {
+                return Ok(data);
+            }
+            read(AsciiBody::new(text), &elements)
         }
-        Encoding::Little => {
-            let mut body = BinaryBody::<false> { bytes, at: text.at };
-            reader.elements(&mut body, &elements)?;
-            body.at
-        }
-        Encoding::Big => {
-            let mut body = BinaryBody::<true> { bytes, at: text.at };
-            reader.elements(&mut body, &elements)?;
-            body.at
-        }
-    };
-    let mut data = reader.data;
-    if end < bytes.len() {
-        let n = counted(bytes.len() - end, "byte");
-        data.notes.push(format!("{n} behind the last element unread"));
+        Encoding::Little => read(BinaryBody::<false> { bytes, at: text.at }, &elements),
+        Encoding::Big => read(BinaryBody::<true> { bytes, at: text.at }, &elements),
     }
-    Ok(data)
+}
+
+fn read<B: Body>(mut body: B, elements: &[Element<'_>]) -> Result<MeshData, ParseError> {
+    let vertex_count = elements.iter().find(|e| e.name == b"vertex").map_or(0, |e| e.count);
+    let mut reader = Reader { data: MeshData::default(), vertex_count };
+    reader.elements(&mut body, elements)?;
+    let left = body.left();
+    if left > 0 {
+        let n = counted(left, "byte");
+        reader.data.notes.push(format!("{n} behind the last element unread"));
+    }
+    Ok(reader.data)
 }
 
 /// What the properties of a vertex mean.
@@ -126,8 +129,14 @@ impl MeshData {
 struct Reader {
     data: MeshData,
     vertex_count: u64,
-    /// Where the list of the face being read begins.
-    index_at: usize,
+}
+
+/// Faces that stand one behind the other in a file.
+struct FaceRows {
+    faces: Faces,
+    /// Texture coordinates of their corners, if they are read, and how many faces have none.
+    uvs: Vec<[f64; 2]>,
+    without_uvs: usize,
 }
 
 impl Reader {
@@ -148,16 +157,17 @@ impl Reader {
         Ok(())
     }
 
-    /// Reads the rows of an element one after the other.
+    /// Reads some rows of an element one after the other.
     fn rows<B: Body>(
         body: &mut B,
         element: &Element<'_>,
+        rows: Range<u64>,
         mut row: impl FnMut(&mut B, u64) -> Result<(), ParseError>,
     ) -> Result<(), ParseError> {
         if element.properties.is_empty() {
             return Ok(());
         }
-        for done in 0..element.count {
+        for done in rows {
             body.begin_row();
             let result = if body.is_at_end() {
                 Err(ParseError::file(END))
@@ -192,9 +202,12 @@ impl Reader {
         if body.rows(element).is_some() {
             return Ok(());
         }
-        Self::rows(body, element, |body, _| {
-            element.properties.iter().try_for_each(|p| Self::skip_property(body, p))
-        })
+        let parts = body.gather(element, |body, rows| {
+            Self::rows(body, element, rows, |body, _| {
+                element.properties.iter().try_for_each(|p| Self::skip_property(body, p))
+            })
+        });
+        parts.map(drop)
     }
 
     fn vertices<B: Body>(&mut self, body: &mut B, element: &Element<'_>) -> Result<(), ParseError> {
@@ -202,7 +215,8 @@ impl Reader {
         if let Some(rows) = body.rows(element) {
             self.data.take_columns(&columns, element, &rows);
         } else {
-            self.vertex_rows(&columns, body, element)?;
+            let read = |body: &mut B, rows| Self::vertex_rows(&columns, body, element, rows);
+            self.take_parts(body.gather(element, read)?);
         }
         if let Some(colours) = &mut self.data.colours {
             scale_large_colours(colours, &mut self.data.notes);
@@ -210,23 +224,38 @@ impl Reader {
         Ok(())
     }
 
-    /// Reads vertices one after the other.
+    /// Takes vertices that stand one behind the other.
+    fn take_parts(&mut self, mut parts: Vec<MeshData>) {
+        fn all<T: Zeroable + Copy + Send + Sync>(
+            parts: &mut [MeshData],
+            values: impl Fn(&mut MeshData) -> Option<Vec<T>>,
+        ) -> Option<Vec<T>> {
+            parts.iter_mut().map(values).collect::<Option<Vec<_>>>().map(par::join)
+        }
+        let positions = all(&mut parts, |part| Some(take(&mut part.positions)));
+        self.data.positions = positions.unwrap_or_default();
+        self.data.normals = all(&mut parts, |part| part.normals.take());
+        self.data.colours = all(&mut parts, |part| part.colours.take());
+        self.data.uvs = all(&mut parts, |part| part.uvs.take());
+    }
+
+    /// Reads some vertices one after the other.
     fn vertex_rows<B: Body>(
-        &mut self,
         columns: &VertexColumns,
         body: &mut B,
         element: &Element<'_>,
-    ) -> Result<(), ParseError> {
-        let data = &mut self.data;
+        rows: Range<u64>,
+    ) -> Result<MeshData, ParseError> {
+        let mut data = MeshData::default();
         // `check` compared the count with the bytes, unless there are lists.
-        let room = if element.has_lists() { 0 } else { element.count as usize };
+        let room = if element.has_lists() { 0 } else { (rows.end - rows.start) as usize };
         data.positions.reserve_exact(room);
         data.normals = columns.normal.map(|_| Vec::with_capacity(room));
         data.colours = columns.colour.map(|_| Vec::with_capacity(room));
         data.uvs = columns.uv.map(|_| Vec::with_capacity(room));
         let full: Vec<_> = element.properties.iter().map(|p| p.scalar.full()).collect();
         let mut values = vec![0.0; element.properties.len()];
-        Self::rows(body, element, |body, _| {
+        Self::rows(body, element, rows, |body, _| {
             for (value, property) in values.iter_mut().zip(&element.properties) {
                 if property.count.is_some() {
                     Self::skip_property(body, property)?;
@@ -248,7 +277,8 @@ impl Reader {
                 uvs.push(at.map(|i| values[i]));
             }
             Ok(())
-        })
+        })?;
+        Ok(data)
     }
 
     /// The property of an element that lists vertices, if there is one and it holds whole numbers.
@@ -268,17 +298,23 @@ impl Reader {
         Ok(Some(list))
     }
 
-    fn vertex<B: Body>(&self, body: &B, index: i64, row: (&str, u64)) -> Result<u32, ParseError> {
+    /// The vertex of an index in the list at an offset.
+    fn vertex<B: Body>(
+        &self,
+        body: &B,
+        index: i64,
+        list_at: usize,
+        (name, row): (&str, u64),
+    ) -> Result<u32, ParseError> {
         match u32::try_from(index) {
             Ok(v) if u64::from(v) < self.vertex_count => Ok(v),
             _ => {
-                let (name, row) = row;
                 let message = format!(
                     "{name} {row} lists vertex {index}, but the mesh has {} vertices, counted \
                      from 0",
                     self.vertex_count
                 );
-                Err(ParseError::new(body.place(self.index_at), message))
+                Err(ParseError::new(body.place(list_at), message))
             }
         }
     }
@@ -298,21 +334,52 @@ impl Reader {
         let texcoord = element
             .find(&["texcoord"])
             .filter(|i| element.properties[*i].count.is_some() && *i != list);
-        let mut faces = Faces::new();
+        let read = |body: &mut B, rows| self.face_rows([Some(list), texcoord], body, element, rows);
+        let parts = body.gather(element, read)?;
+        let without_uvs = parts.iter().map(|part| part.without_uvs).sum();
+        let (faces, mut uvs): (Vec<_>, Vec<_>) =
+            parts.into_iter().map(|part| (part.faces, part.uvs)).unzip();
+        let faces = join_faces(faces)?;
+        if texcoord.is_some() && without_uvs < faces.len() {
+            // Triangles of strips may stand before.
+            let before = self.data.faces.corners().len();
+            if before > 0 {
+                uvs.insert(0, vec![[0.0; 2]; before]);
+            }
+            self.data.corner_uvs = Some(par::join(uvs));
+            if without_uvs > 0 {
+                let n = counted(without_uvs, "face");
+                self.data.notes.push(format!("{n} without texture coordinates have 0 0"));
+            }
+        }
+        if element.find(&["red", "r", "diffuse_red"]).is_some() {
+            self.data.notes.push("colours of faces left out".into());
+        }
+        self.append(faces, Place::File)
+    }
+
+    /// Reads some faces one after the other: the properties with their vertices and their texture
+    /// coordinates.
+    fn face_rows<B: Body>(
+        &self,
+        [list, texcoord]: [Option<usize>; 2],
+        body: &mut B,
+        element: &Element<'_>,
+        rows: Range<u64>,
+    ) -> Result<FaceRows, ParseError> {
+        let mut part = FaceRows { faces: Faces::new(), uvs: Vec::new(), without_uvs: 0 };
         let mut corners = Vec::new();
-        // Triangles of strips may stand before.
-        let mut uvs = vec![[0.0; 2]; self.data.faces.corners().len()];
-        let mut without_uvs = 0;
         let mut numbers = Vec::new();
-        Self::rows(body, element, |body, face| {
+        Self::rows(body, element, rows, |body, face| {
             numbers.clear();
+            let mut list_at = 0;
             for (i, property) in element.properties.iter().enumerate() {
-                if i == list {
-                    self.index_at = body.offset();
+                if Some(i) == list {
+                    list_at = body.offset();
                     corners.clear();
                     for _ in 0..body.length(property)? {
                         let index = body.integer(property.scalar)?;
-                        corners.push(self.vertex(body, index, ("face", face))?);
+                        corners.push(self.vertex(body, index, list_at, ("face", face))?);
                     }
                 } else if Some(i) == texcoord {
                     for _ in 0..body.length(property)? {
@@ -324,30 +391,19 @@ impl Reader {
             }
             if texcoord.is_some() {
                 if numbers.len() == 2 * corners.len() {
-                    uvs.extend(numbers.chunks_exact(2).map(|uv| [uv[0], uv[1]]));
+                    part.uvs.extend(numbers.chunks_exact(2).map(|uv| [uv[0], uv[1]]));
                 } else {
-                    without_uvs += 1;
-                    uvs.resize(uvs.len() + corners.len(), [0.0; 2]);
+                    part.without_uvs += 1;
+                    part.uvs.resize(part.uvs.len() + corners.len(), [0.0; 2]);
                 }
             }
-            if faces.corners().len() + corners.len() > u32::MAX as usize {
-                let place = body.place(self.index_at);
-                return push_face(&mut faces, &corners, place);
+            if part.faces.corners().len() + corners.len() > u32::MAX as usize {
+                return Err(too_many_corners(body.place(list_at)));
             }
-            faces.push(&corners);
+            part.faces.push(&corners);
             Ok(())
         })?;
-        if texcoord.is_some() && without_uvs < faces.len() {
-            self.data.corner_uvs = Some(uvs);
-            if without_uvs > 0 {
-                let n = counted(without_uvs, "face");
-                self.data.notes.push(format!("{n} without texture coordinates have 0 0"));
-            }
-        }
-        if element.find(&["red", "r", "diffuse_red"]).is_some() {
-            self.data.notes.push("colours of faces left out".into());
-        }
-        self.append(faces, Place::File)
+        Ok(part)
     }
 
     /// The faces of an element, and the bytes that they take, if each is a list of as many indices as
@@ -394,14 +450,29 @@ impl Reader {
         let Some(list) = Self::index_list(element)? else {
             return Self::skip(body, element);
         };
+        let read = |body: &mut B, rows| self.strip_rows(list, body, element, rows);
+        let faces = join_faces(body.gather(element, read)?)?;
+        let (n, strips) =
+            (counted(faces.len(), "triangle"), counted(element.count as usize, "strip"));
+        self.data.notes.push(format!("{n} made from {strips}"));
+        self.append(faces, Place::File)
+    }
+
+    fn strip_rows<B: Body>(
+        &self,
+        list: usize,
+        body: &mut B,
+        element: &Element<'_>,
+        rows: Range<u64>,
+    ) -> Result<Faces, ParseError> {
         let mut faces = Faces::new();
-        Self::rows(body, element, |body, strip| {
+        Self::rows(body, element, rows, |body, strip| {
             for (i, property) in element.properties.iter().enumerate() {
                 if i != list {
                     Self::skip_property(body, property)?;
                     continue;
                 }
-                self.index_at = body.offset();
+                let list_at = body.offset();
                 let mut last = [0; 2];
                 let mut length = 0;
                 for _ in 0..body.length(property)? {
@@ -411,7 +482,7 @@ impl Reader {
                         length = 0;
                         continue;
                     }
-                    let v = self.vertex(body, index, ("strip", strip))?;
+                    let v = self.vertex(body, index, list_at, ("strip", strip))?;
                     let [a, b] = last;
                     if length >= 2 {
                         let triangle = if length % 2 == 0 { [a, b, v] } else { [b, a, v] };
@@ -426,10 +497,7 @@ impl Reader {
             }
             Ok(())
         })?;
-        let (n, strips) =
-            (counted(faces.len(), "triangle"), counted(element.count as usize, "strip"));
-        self.data.notes.push(format!("{n} made from {strips}"));
-        self.append(faces, Place::File)
+        Ok(faces)
     }
 
     /// Adds faces behind those already read.
@@ -488,8 +556,8 @@ mod tests {
             &[&[0, 1, 2], &[2, 1, -1]],
         ];
         for faces in cases {
-            let plain = parse(&file(4, faces, false));
-            let general = parse(&file(4, faces, true));
+            let plain = parse(&file(4, faces, false), 1);
+            let general = parse(&file(4, faces, true), 1);
             match (plain, general) {
                 (Ok(plain), Ok(general)) => {
                     assert_eq!(plain, general);
@@ -502,15 +570,47 @@ mod tests {
             }
         }
         let cut = file(4, cases[0], false);
-        let error = parse(&cut[..cut.len() - 1]).unwrap_err().message;
+        let error = parse(&cut[..cut.len() - 1], 1).unwrap_err().message;
         assert!(error.starts_with("the file declares 2 faces and ends after 1"), "{error}");
     }
 
     #[test]
     fn columns_of_any_type_are_read() {
-        let data = parse(&file(3, &[&[0, 1, 2]], false)).unwrap();
+        let data = parse(&file(3, &[&[0, 1, 2]], false), 1).unwrap();
         // The two bytes of y are those of -256 + i.
         assert_eq!(data.positions[2], Vec3::new(0.2, -254.0, 1.0));
         assert_eq!(data.colours.unwrap()[1], [1.0, 0.0, 0.2, 1.0]);
+    }
+
+    /// Whether the text is read in parts, and not again.
+    fn is_in_parts(text: &str) -> bool {
+        let mut text = Scanner { bytes: text.as_bytes(), at: 0 };
+        let (_, elements) = read_header(&mut text).unwrap();
+        read(AsciiBody::in_parts(text, 5), &elements).is_ok()
+    }
+
+    #[test]
+    fn rows_of_a_line_each_are_read_in_parts() {
+        let text = "ply\nformat ascii 1.0\nelement nothing 7\nelement tristrips 1\n\
+            property list int int vertex_indices\nelement edge 2\nproperty int a\nproperty int b\n\
+            element vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+            property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float nx\n\
+            property float ny\nproperty float nz\nproperty list uchar int more\nproperty float s\n\
+            property float t\nelement face 3\nproperty list uchar int vertex_indices\n\
+            property list uchar float texcoord\nproperty uchar red\nend_header\n\
+            4 0 1 2 3\n0 1\n1 2\n\n0 0 0 255 0 0 0 0 1 0 0.5 1\r\n  1 0 0 0 0 0 0 0 1 2 7 8 0 1\n\
+            1 1 0 0 51 0 0 0 1 0 0 0 \n0 1 0 0 0 0 0 0 1 0 1 1\n3 0 1 2 6 0 0 1 0 1 1 9\n0 0 9\n\
+            4 0 1 2 3 0 9\n\nbehind\n";
+        assert!(is_in_parts(text));
+        let whole = parse(text.as_bytes(), 1).unwrap();
+        assert_eq!(whole.notes.len(), 4, "{:?}", whole.notes);
+        assert_eq!(*whole.faces.starts(), [0, 3, 6, 9, 9, 13]);
+        assert_eq!(whole.corner_uvs.as_ref().unwrap()[7], [1.0, 0.0]);
+        for parts in 2..text.len() {
+            assert_eq!(parse(text.as_bytes(), parts).as_ref(), Ok(&whole), "{parts} parts");
+        }
+        let spread = text.replace("0 1 0 0 0 0 0 0 1", "0 1 0\n0 0 0\n0 0 1");
+        assert!(!is_in_parts(&spread));
+        assert_eq!(parse(spread.as_bytes(), 9).unwrap(), whole);
     }
 }

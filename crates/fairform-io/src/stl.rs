@@ -10,6 +10,7 @@
 //! Source: 3D Systems, *Stereolithography Interface Specification*, 1989.
 
 use std::io::Write;
+use std::mem::replace;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use fairform::{Faces, Vec3};
@@ -28,9 +29,9 @@ const HEADER: usize = 84;
 /// Bytes of a triangle: normal, three positions, two bytes of attributes.
 const TRIANGLE: usize = 50;
 
-/// The mesh in an STL file.
-pub(crate) fn parse(bytes: &[u8]) -> Result<MeshData, ParseError> {
-    if is_text(bytes) { parse_text(bytes) } else { parse_binary(bytes, BLOCK) }
+/// The mesh in an STL file, a text read in so many parts.
+pub(crate) fn parse(bytes: &[u8], part_count: usize) -> Result<MeshData, ParseError> {
+    if is_text(bytes) { parse_text(bytes, part_count, BLOCK) } else { parse_binary(bytes, BLOCK) }
 }
 
 /// The number of triangles that a binary file declares.
@@ -131,7 +132,7 @@ fn check_count(count: usize, place: impl Fn(usize) -> Place) -> Result<(), Parse
     if count <= MOST { Ok(()) } else { Err(too_many_corners(place(MOST))) }
 }
 
-/// Triangles of a binary file that are welded at once, in the processor's own memory.
+/// Triangles that are welded at once, in the processor's own memory.
 const BLOCK: usize = 1 << 15;
 
 /// Reads a binary file, in parts of `block` triangles.
@@ -184,36 +185,102 @@ fn read_triangles(triangles: &[[u8; TRIANGLE]]) -> (Part<[f32; 3]>, usize) {
     (part, attributes)
 }
 
-fn parse_text(bytes: &[u8]) -> Result<MeshData, ParseError> {
-    let mut text = Scanner::new(bytes)?;
-    let mut part = Part::with_capacity(0);
-    let mut groups = LabelBuilder::default();
-    let mut solids = 0;
-    loop {
-        text.skip_space();
-        if text.is_at_end() {
-            break;
+/// Reads a text in so many parts, which begin with a facet, and welds `block` triangles at once. A text
+/// with a fault is read again as a whole, so that its error is that of a reader that sees all before.
+fn parse_text(bytes: &[u8], part_count: usize, block: usize) -> Result<MeshData, ParseError> {
+    let text = Scanner::new(bytes)?;
+    let parts = text.parts(part_count, begins_facet);
+    if parts.len() > 1 {
+        let within = |i: usize| [i > 0, i + 1 < parts.len()];
+        let facets =
+            par::map(parts.iter().enumerate(), |(i, part)| Facets::read(*part, within(i), block));
+        if let Ok(facets) = facets.into_iter().collect::<Result<Vec<_>, _>>() {
+            return mesh_of(&text, facets);
         }
-        keyword(&mut text, "solid")?;
-        groups.set(text_of(text.rest_of_line()));
-        solids += 1;
+    }
+    mesh_of(&text, vec![Facets::read(text, [false; 2], block)?])
+}
+
+/// Whether what is behind a line end begins with a facet.
+fn begins_facet(_: &[u8], rest: &[u8]) -> bool {
+    peek_is(&Scanner { bytes: rest, at: 0 }, "facet")
+}
+
+/// What stands in a text, or in a part of one.
+struct Facets {
+    parts: Vec<Part<Vec3>>,
+    /// Where the names of solids are, and how many facets of the part stand before.
+    solids: Vec<(usize, usize)>,
+}
+
+impl Facets {
+    /// Reads all facets. Whether the text begins and ends within a solid is given; another end is an
+    /// error.
+    fn read(
+        mut text: Scanner<'_>,
+        [begins_within, ends_within]: [bool; 2],
+        block: usize,
+    ) -> Result<Self, ParseError> {
+        let mut facets = Self { parts: Vec::new(), solids: Vec::new() };
+        // An estimate: a facet takes some 200 bytes.
+        let room = (text.remaining() / 200).min(block);
+        let mut part = Part::with_capacity(room);
+        let mut count = 0;
+        let mut within = begins_within;
         loop {
             text.skip_space();
-            if !peek_is(&text, "facet") {
+            if !within {
+                if text.is_at_end() {
+                    break;
+                }
+                keyword(&mut text, "solid")?;
+                facets.solids.push((text.at, count));
+                text.skip_line();
+                within = true;
+            } else if peek_is(&text, "facet") {
+                part.push(facet(&mut text)?);
+                count += 1;
+                if count.is_multiple_of(block) {
+                    facets.parts.push(replace(&mut part, Part::with_capacity(room)));
+                }
+            } else if text.is_at_end() {
                 break;
+            } else {
+                keyword(&mut text, "endsolid")?;
+                // The name again.
+                text.skip_line();
+                within = false;
             }
-            part.push(facet(&mut text)?);
-            groups.fill(part.corners.len() / 3);
         }
-        if text.is_at_end() {
+        if within != ends_within {
             return Err(ended(&text, "a solid"));
         }
-        keyword(&mut text, "endsolid")?;
-        // The name again.
-        text.skip_line();
+        facets.parts.push(part);
+        Ok(facets)
     }
-    check_count(part.corners.len() / 3, |_| Place::File)?;
-    let mut data = join(&[part]);
+
+    fn len(&self) -> usize {
+        self.parts.iter().map(|part| part.corners.len() / 3).sum()
+    }
+}
+
+/// The mesh of all facets of a text.
+fn mesh_of(text: &Scanner<'_>, facets: Vec<Facets>) -> Result<MeshData, ParseError> {
+    let count = facets.iter().map(Facets::len).sum();
+    check_count(count, |_| Place::File)?;
+    let mut groups = LabelBuilder::default();
+    let (mut before, mut solids) = (0, 0);
+    for part in &facets {
+        for &(at, facet) in &part.solids {
+            groups.fill(before + facet);
+            groups.set(text_of(Scanner { at, ..*text }.rest_of_line()));
+            solids += 1;
+        }
+        before += part.len();
+    }
+    groups.fill(count);
+    let parts: Vec<_> = facets.into_iter().flat_map(|part| part.parts).collect();
+    let mut data = join(&parts);
     if solids > 1 {
         data.groups = groups.finish();
     }
@@ -491,5 +558,34 @@ mod tests {
         for block in [1, 2, 7, 100] {
             assert_eq!(parse_binary(&bytes, block).unwrap(), whole);
         }
+    }
+
+    #[test]
+    fn a_text_is_read_in_parts_and_blocks() {
+        let facet = |x: usize| {
+            format!(
+                "facet normal 0 0 1\nouter loop\nvertex {x} 0 0\nvertex 0 {x} 0\n\
+                vertex 0 0 1\nendloop\nendfacet\n"
+            )
+        };
+        let facets: String = (0..9).map(facet).collect();
+        let text = format!(
+            "solid a\n{facets}endsolid a\nsolid\nendsolid\nSOLID b\n{facets}\n \
+            FACET normal 0 0 1 outer loop vertex\n1 1 1 vertex 2\n2 2 vertex 3 3 3 endloop endfacet\n\
+            {facets}endsolid facet\n"
+        );
+        let whole = parse_text(text.as_bytes(), 1, usize::MAX).unwrap();
+        assert_eq!((whole.positions.len(), whole.faces.len()), (21, 28));
+        assert_eq!(whole.groups.as_ref().unwrap().names, ["a", "b"]);
+        for (parts, block) in [(1, 1), (1, 4), (2, 3), (3, 1), (9, 2), (1000, 100)] {
+            assert_eq!(parse_text(text.as_bytes(), parts, block).as_ref(), Ok(&whole));
+        }
+        // Cut at every facet, each but the last ends within a solid.
+        let text = Scanner { bytes: text.as_bytes(), at: 0 };
+        let parts = text.parts(1000, begins_facet);
+        assert_eq!(parts.len(), 29);
+        assert!(parts[1..28].iter().all(|part| Facets::read(*part, [true; 2], 9).is_ok()));
+        assert!(Facets::read(parts[28], [true; 2], 9).is_err());
+        assert_eq!(Facets::read(parts[28], [true, false], 9).unwrap().len(), 1);
     }
 }

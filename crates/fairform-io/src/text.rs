@@ -154,10 +154,10 @@ impl<'a> Scanner<'a> {
         joined.join(" ").trim().to_string()
     }
 
-    /// What is left, cut behind line ends into so many parts or fewer; not behind a line that a
-    /// backslash continues, where there are such. Each part ends where the text of its scanner does,
-    /// and counts offsets and lines as the whole.
-    pub(crate) fn parts(&self, count: usize, continued: bool) -> Vec<Self> {
+    /// What is left, cut behind line ends into so many parts or fewer: where `may_cut` agrees, which
+    /// gets the text of the part and the text behind it, without the line end between. Each part ends
+    /// where the text of its scanner does, and counts offsets and lines as the whole.
+    pub(crate) fn parts(&self, count: usize, may_cut: impl Fn(&[u8], &[u8]) -> bool) -> Vec<Self> {
         let length = self.remaining().div_ceil(count.max(1)).max(1);
         let mut parts = Vec::with_capacity(count);
         let mut at = self.at;
@@ -170,8 +170,7 @@ impl<'a> Scanner<'a> {
                     break;
                 };
                 end += n;
-                let line = &self.bytes[at..end - 1];
-                if !continued || !line.strip_suffix(b"\r").unwrap_or(line).ends_with(b"\\") {
+                if may_cut(&self.bytes[at..end - 1], &self.bytes[end..]) {
                     break;
                 }
                 end += 1;

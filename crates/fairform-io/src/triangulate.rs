@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use fairform::{Faces, Vec3};
+use fairform::{FaceId, Faces, Vec3};
 
 use crate::par;
 
@@ -48,12 +48,11 @@ impl<'a> Triangles<'a> {
             let corners = Cow::Borrowed(faces.corners().as_chunks::<3>().0);
             return Self { corners, face_of: None, cut: 0, dropped: 0 };
         }
-        let (start, corners) = (faces.starts(), faces.corners());
         let parts = par::map(par::blocks(faces.len(), 1 << 14), |block| {
             let mut cutter = Triangulator::default();
             let (mut triangles, mut face_of) = (Vec::new(), Vec::new());
             for face in block {
-                let own = &corners[start[face] as usize..start[face + 1] as usize];
+                let own = faces.get(FaceId(face as u32));
                 cutter.cut(positions, own, &mut triangles);
                 face_of.resize(triangles.len(), face as u32);
             }
@@ -61,7 +60,7 @@ impl<'a> Triangles<'a> {
         });
         let each: Vec<&[[u32; 3]]> = parts.iter().map(|(triangles, _)| &triangles[..]).collect();
         let faces_of: Vec<&[u32]> = parts.iter().map(|(_, face_of)| &face_of[..]).collect();
-        let count = |is: fn(u32) -> bool| start.windows(2).filter(|w| is(w[1] - w[0])).count();
+        let count = |is: fn(usize) -> bool| faces.iter().filter(|face| is(face.len())).count();
         Self {
             corners: Cow::Owned(par::concat(&each)),
             face_of: Some(par::concat(&faces_of)),

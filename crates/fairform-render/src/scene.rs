@@ -590,12 +590,11 @@ impl Scene {
     ) {
         let number = self.materials.len() as u32 - 1;
         let (mut corners, mut places): (Vec<u32>, Vec<Vec3>) = (Vec::new(), Vec::new());
-        let starts = body.faces.starts();
         for (f, face) in body.faces.iter().enumerate().filter(|(_, face)| face.len() >= 3) {
             corners.clear();
             corners.extend(face.iter().map(|v| first_point + v));
             if let Some(normals) = body.corner_normals {
-                let own = &normals[starts[f] as usize..][..face.len()];
+                let own = &normals[body.faces.range(FaceId(f as u32))];
                 self.part(&mut corners, own, first_face as usize + f, camera);
             }
             places.clear();

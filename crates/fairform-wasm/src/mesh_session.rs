@@ -1,6 +1,5 @@
 //! [`MeshSession`]: one mesh, from its bytes to its surface.
 
-use std::fmt::Write as _;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::str::FromStr;
@@ -26,7 +25,7 @@ use crate::values::{Colouring, Values};
 use crate::{Geometry, Problem};
 
 /// Most points of a surface that is drawn: the memory of a page has an end.
-const MOST_POINTS: u64 = 12_000_000;
+const MOST_POINTS: u64 = 4_000_000;
 
 /// One mesh, what was last decided about it, and the surface that follows.
 #[derive(Debug)]
@@ -767,13 +766,10 @@ fn notes_on(fit: &Fit, rules: &Rules) -> Vec<String> {
     }
     if !fit.singular.is_empty() {
         let count = fit.singular.len();
-        let mut note = String::new();
-        let _ = write!(
-            note,
-            "no control mesh of the given connectivity interpolates {count} of the parts, so the control \
-             mesh is one level finer"
-        );
-        notes.push(note);
+        notes.push(format!(
+            "no control mesh of the given connectivity interpolates {count} of the parts, so the \
+             control mesh is one level finer"
+        ));
     }
     if let Some(distance) = pushed_back {
         notes

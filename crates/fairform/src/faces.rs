@@ -1,6 +1,8 @@
 //! [`Faces`]: polygons as lists of vertex numbers, unchecked.
 
+use alloc::borrow::Cow;
 use alloc::vec::Vec;
+use core::ops::Range;
 
 use crate::ids::FaceId;
 
@@ -8,10 +10,19 @@ use crate::ids::FaceId;
 ///
 /// Any corner count is allowed, also 0, and any vertex number, also one out of range:
 /// `Topology::from_faces` names what is wrong, `repair` mends it.
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(Clone, Debug)]
 pub struct Faces {
-    start: Vec<u32>,
+    starts: Starts,
     corners: Vec<u32>,
+}
+
+/// Where faces begin. Large meshes mostly have faces of one size, which need no list.
+#[derive(Clone, Debug)]
+enum Starts {
+    /// Every so many corners, which are some.
+    Every(u32),
+    /// As listed, and the end.
+    Listed(Vec<u32>),
 }
 
 impl Default for Faces {
@@ -20,19 +31,29 @@ impl Default for Faces {
     }
 }
 
+/// The same faces are equal, however they were made.
+impl PartialEq for Faces {
+    fn eq(&self, other: &Self) -> bool {
+        let same = |f| self.range(FaceId(f as u32)) == other.range(FaceId(f as u32));
+        self.corners == other.corners && self.len() == other.len() && (0..self.len()).all(same)
+    }
+}
+
+impl Eq for Faces {}
+
 impl Faces {
     /// No faces.
     #[must_use]
     pub fn new() -> Self {
-        Self { start: alloc::vec![0], corners: Vec::new() }
+        Self { starts: Starts::Listed(alloc::vec![0]), corners: Vec::new() }
     }
 
     /// No faces yet, with room for so many.
     #[must_use]
     pub fn with_capacity(faces: usize, corners: usize) -> Self {
-        let mut start = Vec::with_capacity(faces + 1);
-        start.push(0);
-        Self { start, corners: Vec::with_capacity(corners) }
+        let mut starts = Vec::with_capacity(faces + 1);
+        starts.push(0);
+        Self { starts: Starts::Listed(starts), corners: Vec::with_capacity(corners) }
     }
 
     /// Faces of `size` corners each.
@@ -42,8 +63,8 @@ impl Faces {
     #[must_use]
     pub fn uniform(size: u32, corners: Vec<u32>) -> Self {
         assert!(size > 0 && corners.len().is_multiple_of(size as usize), "whole faces of {size}");
-        let end = u32::try_from(corners.len()).expect("fewer than 2^32 corners");
-        Self { start: (0..=end).step_by(size as usize).collect(), corners }
+        assert!(u32::try_from(corners.len()).is_ok(), "fewer than 2^32 corners");
+        Self { starts: Starts::Every(size), corners }
     }
 
     /// Faces from where each begins in `corners`, and the end, as [`starts`](Self::starts) gives them.
@@ -65,7 +86,11 @@ impl Faces {
             rises && ends == (Some(0), Some(corners.len())),
             "starts from 0 to the corner count"
         );
-        Self { start, corners }
+        let starts = match uniform_size(&start) {
+            Some(size) if size > 0 => Starts::Every(size),
+            _ => Starts::Listed(start),
+        };
+        Self { starts, corners }
     }
 
     /// Appends a face.
@@ -74,13 +99,25 @@ impl Faces {
     /// If the corners of all faces are 2³² or more.
     pub fn push(&mut self, corners: &[u32]) {
         self.corners.extend_from_slice(corners);
-        self.start.push(u32::try_from(self.corners.len()).expect("fewer than 2^32 corners"));
+        let end = u32::try_from(self.corners.len()).expect("fewer than 2^32 corners");
+        match &mut self.starts {
+            Starts::Listed(starts) => starts.push(end),
+            Starts::Every(size) if corners.len() == *size as usize => {}
+            Starts::Every(size) => {
+                let before = end - corners.len() as u32;
+                let starts = (0..=before).step_by(*size as usize).chain([end]).collect();
+                self.starts = Starts::Listed(starts);
+            }
+        }
     }
 
     /// Number of faces.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.start.len() - 1
+        match &self.starts {
+            Starts::Every(size) => self.corners.len() / *size as usize,
+            Starts::Listed(starts) => starts.len() - 1,
+        }
     }
 
     /// Whether there is no face.
@@ -95,14 +132,29 @@ impl Faces {
     /// If there is no such face.
     #[must_use]
     pub fn get(&self, face: FaceId) -> &[u32] {
+        &self.corners[self.range(face)]
+    }
+
+    /// Where the vertices of a face are in [`corners`](Self::corners).
+    ///
+    /// # Panics
+    /// If there is no such face, and they are not all of one size.
+    #[must_use]
+    pub fn range(&self, face: FaceId) -> Range<usize> {
         let f = face.index();
-        &self.corners[self.start[f] as usize..self.start[f + 1] as usize]
+        match &self.starts {
+            Starts::Every(size) => {
+                let size = *size as usize;
+                f * size..(f + 1) * size
+            }
+            Starts::Listed(starts) => starts[f] as usize..starts[f + 1] as usize,
+        }
     }
 
     /// The faces in order.
     #[must_use]
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &[u32]> + Clone {
-        self.start.windows(2).map(|w| &self.corners[w[0] as usize..w[1] as usize])
+        (0..self.len()).map(|f| self.get(FaceId(f as u32)))
     }
 
     /// The vertices of all faces, one face after the other.
@@ -113,14 +165,22 @@ impl Faces {
 
     /// Where each face begins in [`corners`](Self::corners), and the end: one more than faces.
     #[must_use]
-    pub fn starts(&self) -> &[u32] {
-        &self.start
+    pub fn starts(&self) -> Cow<'_, [u32]> {
+        match &self.starts {
+            Starts::Every(size) => {
+                (0..=self.corners.len() as u32).step_by(*size as usize).collect::<Vec<_>>().into()
+            }
+            Starts::Listed(starts) => starts.into(),
+        }
     }
 
     /// The number of corners that all faces have, if it is the same; `None` without faces.
     #[must_use]
     pub fn uniform_size(&self) -> Option<u32> {
-        uniform_size(&self.start)
+        match &self.starts {
+            Starts::Every(size) => (!self.corners.is_empty()).then_some(*size),
+            Starts::Listed(starts) => uniform_size(starts),
+        }
     }
 }
 
@@ -138,5 +198,44 @@ impl<F: AsRef<[u32]>> FromIterator<F> for Faces {
             faces.push(face.as_ref());
         }
         faces
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faces_are_the_same_however_they_were_made() {
+        let corners = alloc::vec![0, 1, 2, 2, 1, 3];
+        let uniform = Faces::uniform(3, corners.clone());
+        let listed: Faces = [[0, 1, 2], [2, 1, 3]].into_iter().collect();
+        for faces in [&listed, &Faces::from_starts(alloc::vec![0, 3, 6], corners)] {
+            assert_eq!(&uniform, faces);
+            assert_eq!(faces.uniform_size(), Some(3));
+            assert_eq!(&*faces.starts(), [0, 3, 6]);
+        }
+        assert_eq!(&*uniform.starts(), [0, 3, 6]);
+        assert_ne!(uniform, Faces::uniform(2, uniform.corners().to_vec()));
+    }
+
+    #[test]
+    fn a_face_of_another_size_may_follow() {
+        for more in [&[4, 5, 6][..], &[4, 5], &[], &[4, 5, 6, 7]] {
+            let mut uniform = Faces::uniform(3, alloc::vec![0, 1, 2, 2, 1, 3]);
+            let mut listed: Faces = uniform.iter().collect();
+            uniform.push(more);
+            listed.push(more);
+            assert_eq!(uniform, listed);
+            assert_eq!((uniform.len(), uniform.get(FaceId(2))), (3, more));
+        }
+    }
+
+    #[test]
+    fn there_may_be_none() {
+        let none = Faces::uniform(3, Vec::new());
+        assert_eq!(none, Faces::new());
+        assert_eq!((none.len(), none.uniform_size(), none.iter().len()), (0, None, 0));
+        assert_eq!(&*none.starts(), [0]);
     }
 }

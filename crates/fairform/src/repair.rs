@@ -45,6 +45,7 @@ mod triangulate;
 mod weld;
 
 use alloc::vec::Vec;
+use core::ops::Range;
 
 pub use degenerate::DegenerateReport;
 pub use duplicates::DuplicateReport;
@@ -96,8 +97,8 @@ impl Soup {
 
     /// The corners of a face, counted through all faces.
     fn corners_of(&self, face: u32) -> core::ops::Range<u32> {
-        let start = self.faces.starts();
-        start[face as usize]..start[face as usize + 1]
+        let Range { start, end } = self.faces.range(FaceId(face));
+        start as u32..end as u32
     }
 
     /// The vertex at a corner.

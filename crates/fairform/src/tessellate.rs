@@ -8,7 +8,9 @@
 //! between the two meshes is stored, but for one mesh of a sixteenth of the size or less:
 //! the first steps are made as ever, at least one and so many that [`MOST_AT_ONCE`] are left, or a
 //! few more where even that mesh would be large, see [`Tessellation::with_base`]. Then
-//! shape parameters have done their work, and a face has few extraordinary corners.
+//! shape parameters have done their work, and a face has few extraordinary corners. Up to
+//! [`MOST_AT_ONCE`] steps are made from the control mesh itself if it is large and its faces are of few kinds,
+//! as those of most meshes that were refined or drawn by hand: see [`Tessellation::new`].
 //!
 //! # Numbering
 //!
@@ -80,7 +82,7 @@ mod surface;
 pub use adaptive::{Adaptive, Eye, Tolerance};
 pub use blocks::{MOST_WITH_SMALL_BASE, base_level};
 use cells::Cells;
-use classes::Task;
+use classes::{MOST_CLASSES, Task};
 use grid::Grid;
 pub use point::Point;
 use rest::RestPoints;
@@ -89,6 +91,10 @@ pub use surface::Surface;
 
 /// Most steps that are made at once.
 pub const MOST_AT_ONCE: u32 = 3;
+
+/// As many faces as the base must have for each kind of them if it is the control mesh itself, not what
+/// a step makes of that: rows for so many steps are worth that.
+pub const FACES_PER_CLASS: usize = 512;
 
 /// Faces of the base that are worked on together.
 const BLOCK: usize = 512;
@@ -140,6 +146,17 @@ pub struct Tessellation {
     squares: Option<Squares>,
 }
 
+/// How much is made at once at most.
+#[derive(Clone, Copy)]
+struct Limits {
+    /// Steps.
+    at_once: u32,
+    /// Kinds of faces.
+    classes: usize,
+    /// Faces that are refined step by step since they are of other kinds.
+    left: usize,
+}
+
 #[derive(Clone, Debug)]
 struct Plan {
     grid: Grid,
@@ -148,7 +165,8 @@ struct Plan {
 
 impl Tessellation {
     /// Prepares so many steps. Time and memory are in proportion to the base, see the
-    /// [module](self).
+    /// [module](self): with Loop's and Catmull and Clark's scheme and no more than [`MOST_AT_ONCE`] steps
+    /// the control mesh, if there are [`FACES_PER_CLASS`] faces for each kind of surroundings.
     ///
     /// # Errors
     /// As [`check_size`]; for limit points as [`limit_points`](crate::limit::limit_points).
@@ -158,7 +176,16 @@ impl Tessellation {
         levels: u32,
         points: Points,
     ) -> Result<Self, Error> {
-        let first = levels.saturating_sub(MOST_AT_ONCE).max(levels.min(1));
+        let first = blocks::first_steps(levels, MOST_AT_ONCE);
+        let is_direct = matches!(rules.scheme, Scheme::Loop | Scheme::CatmullClark);
+        if is_direct && (1..=MOST_AT_ONCE).contains(&levels) && is_ready(topology, rules) {
+            let classes = topology.face_count() / FACES_PER_CLASS;
+            let limits = Limits { at_once: MOST_AT_ONCE, classes, left: 0 };
+            let made = Self::with_limits(topology, rules, 0, levels, points, limits)?;
+            if let Some(made) = made {
+                return Ok(made);
+            }
+        }
         Self::from_level(topology, rules, first, levels, points)
     }
 
@@ -176,29 +203,25 @@ impl Tessellation {
         levels: u32,
         points: Points,
     ) -> Result<Self, Error> {
-        let made = Self::with_at_most(topology, rules, first, levels, points, MOST_AT_ONCE)?;
+        let limits = Limits { at_once: MOST_AT_ONCE, classes: MOST_CLASSES, left: usize::MAX };
+        let made = Self::with_limits(topology, rules, first, levels, points, limits)?;
         Ok(made.expect("any number of faces may be refined step by step"))
     }
 
-    /// [`from_level`](Self::from_level) with so many steps at once at most. `None` if they are more than
-    /// [`MOST_AT_ONCE`] and too many faces would be refined step by step.
-    fn with_at_most(
+    /// [`from_level`](Self::from_level) within such limits. `None` if more faces than are allowed then would be
+    /// refined step by step.
+    fn with_limits(
         topology: &Arc<Topology>,
         rules: &Rules,
         first: u32,
         levels: u32,
         points: Points,
-        most_at_once: u32,
+        limits: Limits,
     ) -> Result<Option<Self>, Error> {
         check_size(topology, rules, levels)?;
         let is_dual = rules.scheme == Scheme::DooSabin;
-        let is_ready = match rules.scheme {
-            Scheme::Loop => true,
-            Scheme::DooSabin => squares::is_ready(topology, rules),
-            _ => topology.uniform_face_size() == Some(4),
-        } && rules.tension.is_none()
-            && topology.face_count() > 0;
-        let needed = levels.saturating_sub(most_at_once).max(u32::from(!is_ready));
+        let is_ready = is_ready(topology, rules);
+        let needed = levels.saturating_sub(limits.at_once).max(u32::from(!is_ready));
         let mut at_once = levels.saturating_sub(first.max(needed));
         if rules.scheme.is_interpolating() {
             at_once = 0;
@@ -221,7 +244,7 @@ impl Tessellation {
         if !is_dual && at_once > 0 && steps.topology().face_count() > 0 {
             let corners = if rules.scheme == Scheme::Loop { 3 } else { 4 };
             let grid = Grid::new(corners, at_once);
-            let task = Task { grid: &grid, rules: steps.rules(), points };
+            let task = Task { grid: &grid, rules: steps.rules(), points, limits };
             let Some(cells) = Cells::new(steps.topology(), task)? else { return Ok(None) };
             plan = Some(Plan { grid, cells });
         }
@@ -481,6 +504,16 @@ impl Tessellation {
         }
         low
     }
+}
+
+/// Whether each face of a mesh can become a grid.
+fn is_ready(topology: &Topology, rules: &Rules) -> bool {
+    let has_shape = match rules.scheme {
+        Scheme::Loop => true,
+        Scheme::DooSabin => squares::is_ready(topology, rules),
+        _ => topology.uniform_face_size() == Some(4),
+    };
+    has_shape && rules.tension.is_none() && topology.face_count() > 0
 }
 
 /// A topology and what some steps make of it.

@@ -15,7 +15,7 @@ export const SHOWN: readonly (readonly [keyof Shown, string, string])[] = [
   ["edges", "Given mesh", "5"],
   ["faces", "Faces of the given mesh", "6"],
   ["control", "Control mesh", "7"],
-  ["surfaceEdges", "Wire frame of the surface", "8"],
+  ["surfaceEdges", "Edges of the surface", "8"],
   ["creases", "Creases", "9"],
 ];
 
@@ -107,6 +107,7 @@ export function commands(session: Session): Action[] {
     { name: "view.farther", label: "Farther", keys: ["-"], run: () => scene()?.viewport.zoom(1 / 1.15) },
 
     shading("shaded", "Shaded", "S"),
+    shading("wire", "Wire frame", "W"),
     shading("zebra", "Zebra stripes", "Z"),
     shading("reflection", "Reflection lines", "R"),
     ...SHOWN.map(

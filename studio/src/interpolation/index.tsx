@@ -1,6 +1,6 @@
 // The interpolation workspace: a mesh, and the surface through its vertices.
 
-import { useSignalEffect } from "@preact/signals";
+import { signal, useSignalEffect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { tell } from "../announce";
 import { problemOf } from "../kernel/problem";
@@ -33,6 +33,9 @@ export function createInterpolation(studio: Studio): { workspace: Workspace; ses
   return { workspace, session };
 }
 
+const pageWidth = signal(globalThis.innerWidth ?? 1200);
+globalThis.addEventListener?.("resize", () => void (pageWidth.value = innerWidth));
+
 function View({ session }: { session: Session }) {
   const left = useRef<HTMLDivElement>(null);
   const right = useRef<HTMLDivElement>(null);
@@ -56,10 +59,12 @@ function View({ session }: { session: Session }) {
   useSignalEffect(() => {
     const scene = session.scene.value;
     if (!scene) return;
-    const wide = innerWidth > 820;
+    const wide = pageWidth.value > 820;
     const hasOther = session.mesh.value?.compare != null;
-    const left = !wide ? 0 : hasOther ? 28 : 56;
-    scene.insets = { left, right: wide && !hasOther ? 316 : 0, top: 8, bottom: !wide ? 180 : session.studio.welcome.value ? 128 : 8 };
+    const low = session.studio.welcome.value ? 128 : 8;
+    scene.insets = wide
+      ? { left: hasOther ? 28 : 56, right: hasOther ? 0 : 316, top: 8, bottom: low }
+      : { left: 56, right: 8, top: 8, bottom: 16 + 0.4 * (scene.viewport.canvas.clientHeight || 600) };
   });
   const { main } = session;
   return (

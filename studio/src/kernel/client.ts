@@ -1,9 +1,10 @@
 // The kernel as the page sees it: every call of api.ts, answered by a worker.
 //
-// Calls are sent one after the other. What runs is cancelled by ending its worker; another one then opens
-// again what was open, from what was asked of the first, and goes on with the calls that wait.
+// Calls are sent one after the other, so their arguments are copied: the page may change its own meanwhile.
+// What runs is cancelled by ending its worker. Another one is told what the old one knew, from what was asked of
+// it, as far as the calls that come need it.
 
-import type { Design, DragAnswer, Fineness, Kernel, Problem, Progress, Triple } from "./api";
+import type { Design, DragAnswer, Fineness, Kernel, PatchGeometry, Problem, Progress } from "./api";
 import { problem, type Message } from "./protocol";
 import type { Calls } from "./worker";
 import wasmUrl from "./wasm/fairform_wasm_bg.wasm?url";
@@ -30,6 +31,40 @@ interface State {
   tangents: Map<string, unknown[]>;
 }
 
+/** What a worker may have to be told again. */
+type Part = "mesh" | "fit" | "surface" | "model";
+
+/** What calls rely on that was there before. */
+function needs(name: string): Part[] {
+  switch (name) {
+    case "fit":
+      return ["mesh"];
+    case "given":
+    case "control":
+    case "surface":
+    case "query":
+    case "spreadTension":
+      return ["mesh", "fit"];
+    case "values":
+    case "save":
+    case "grab":
+    case "drag":
+    case "release":
+      return ["mesh", "fit", "surface"];
+    case "setModel":
+    case "patch":
+    case "setTangent":
+    case "arcs":
+    case "patchValues":
+    case "combs":
+    case "saveModel":
+    case "saveSurface":
+      return ["model"];
+    default:
+      return [];
+  }
+}
+
 export interface Options {
   /** Makes a worker; for tests. */
   worker?: () => Worker;
@@ -51,14 +86,17 @@ export function createKernel(options: Options = {}): Kernel {
   const newWorker =
     options.worker ?? (() => new Worker(new URL("./worker.ts", import.meta.url), { type: "module" }));
   const module = (options.module ?? compile)();
+  // Who calls is told.
+  module.catch(() => undefined);
   let worker: Worker | null = null;
   let isReady = false;
   let broken: Problem | null = null;
   let running: Waiting | null = null;
   let queue: Waiting[] = [];
   let nextId = 1;
-  /** A fit overtook the one that a new worker was to repeat; if it fails, that is needed after all. */
-  let overtaken = false;
+  /** What the worker does not know yet, and the calls that are on their way to tell it. */
+  const stale = new Set<Part>();
+  let again: [string, unknown[]][] = [];
   const state: State = { open: null, fit: null, surface: null, model: null, set: null, tangents: new Map() };
 
   function fail(why: Problem) {
@@ -107,22 +145,47 @@ export function createKernel(options: Options = {}): Kernel {
         const call = running;
         if (call?.id !== message.id) return;
         running = null;
-        if (call.name === "fit" && overtaken) {
-          overtaken = false;
-          again("surface", state.surface, true);
-          again("fit", state.fit && [state.fit], true);
-        }
         call.reject(message.problem);
-        break;
+        if (!message.fatal) break;
+        // What cannot even be opened again is given up.
+        if (call.replay) forget();
+        return restart();
       }
     }
     next();
   }
 
   function next() {
-    if (!isReady || running !== null) return;
-    running = queue.shift() ?? null;
-    if (running !== null) worker?.postMessage({ id: running.id, name: running.name, args: running.args });
+    if (!isReady || running !== null || queue.length === 0) return;
+    for (const part of needs(queue[0]!.name)) {
+      if (stale.delete(part)) again.push(...replays(part));
+    }
+    const replay = again.shift();
+    if (replay !== undefined) {
+      const [name, args] = replay;
+      // What went well once goes well again; if not, the calls to come say so.
+      const nothing = () => undefined;
+      running = { id: nextId++, name, args, resolve: nothing, reject: nothing, replay: true };
+    } else {
+      running = queue.shift()!;
+    }
+    worker?.postMessage({ id: running.id, name: running.name, args: running.args });
+  }
+
+  function replays(part: Part): [string, unknown[]][] {
+    const call = (name: string, args: unknown[] | null): [string, unknown[]][] => (args ? [[name, args]] : []);
+    switch (part) {
+      case "mesh":
+        return call("openMesh", state.open);
+      case "fit":
+        return call("fit", state.fit && [state.fit]);
+      case "surface":
+        return call("surface", state.surface);
+      case "model": {
+        const tangents = [...state.tangents.values()].flatMap((args) => call("setTangent", args));
+        return [...call("openModel", state.model), ...call("setModel", state.set), ...tangents];
+      }
+    }
   }
 
   /** Keeps what a new worker would have to be told. */
@@ -131,10 +194,11 @@ export function createKernel(options: Options = {}): Kernel {
     switch (name) {
       case "openMesh":
         [state.open, state.fit, state.surface] = [args, null, null];
+        for (const part of ["mesh", "fit", "surface"] as const) stale.delete(part);
         break;
       case "fit":
-        overtaken = false;
         [state.fit, state.surface] = [args[0] as Design, null];
+        for (const part of ["fit", "surface"] as const) stale.delete(part);
         break;
       case "release":
         // The vertices are where they were released.
@@ -142,10 +206,12 @@ export function createKernel(options: Options = {}): Kernel {
         break;
       case "surface":
         state.surface = args as State["surface"];
+        stale.delete("surface");
         break;
       case "openModel":
         [state.model, state.set] = [args, null];
         state.tangents.clear();
+        stale.delete("model");
         break;
       case "setModel":
         state.set = args;
@@ -157,53 +223,53 @@ export function createKernel(options: Options = {}): Kernel {
     }
   }
 
-  function enqueue(name: string, args: unknown[], more: Partial<Waiting> = {}): Promise<unknown> {
+  function forget() {
+    Object.assign(state, { open: null, fit: null, surface: null, model: null, set: null });
+    state.tangents.clear();
+  }
+
+  function enqueue(name: string, args: unknown[], progress?: (step: Progress) => void): Promise<unknown> {
     if (broken !== null) return Promise.reject(broken);
     return new Promise((resolve, reject) => {
-      if (more.replay !== true) overtake(name);
-      queue.push({ id: nextId++, name, args, resolve, reject, replay: false, ...more });
+      queue.push({ id: nextId++, name, args, resolve, reject, replay: false, ...(progress && { progress }) });
       if (worker === null) start();
       next();
     });
-  }
-
-  /** Takes from the queue what was only to be repeated, and is replaced by this call. */
-  function overtake(name: string) {
-    const replaced = { fit: ["fit", "surface"], openMesh: ["openMesh", "fit", "surface"] }[name] ?? [];
-    const before = queue.length;
-    queue = queue.filter((call) => !(call.replay && replaced.includes(call.name)));
-    if (name === "fit" && queue.length < before) overtaken = true;
-  }
-
-  /** Repeats a call that went well; `first`: before all that waits. */
-  function again(name: string, args: unknown[] | null, first = false) {
-    if (args === null) return;
-    // What went well once goes well again; if not, the calls to come say so.
-    const ignore = () => {};
-    const call = { id: nextId++, name, args, resolve: ignore, reject: ignore, replay: true };
-    if (first) queue.unshift(call);
-    else queue.push(call);
   }
 
   function call<N extends keyof Calls>(name: N, ...args: unknown[]): Promise<ReturnType<Calls[N]>> {
     return enqueue(name, args) as Promise<ReturnType<Calls[N]>>;
   }
 
-  /** Ends the worker and brings another to where it was. */
+  /**
+   * A call of which only the newest counts: one that still waits, at the end of the queue and with the same first
+   * `count` arguments, is sent with these instead; who asked for it gets the answer to this.
+   */
+  function latest<T>(name: keyof Calls, args: unknown[], count: number): Promise<T> {
+    const last = queue.at(-1);
+    const isSame = last?.name === name && args.slice(0, count).every((a, i) => a === last.args[i]);
+    if (last === undefined || !isSame) return enqueue(name, args) as Promise<T>;
+    last.args = args;
+    return new Promise<T>((resolve, reject) => {
+      const { resolve: resolveFirst, reject: rejectFirst } = last;
+      last.resolve = ((answer: T) => {
+        resolveFirst(answer as never);
+        resolve(answer);
+      }) as Waiting["resolve"];
+      last.reject = (why) => {
+        rejectFirst(why);
+        reject(why);
+      };
+    });
+  }
+
+  /** Ends the worker; another is told what the old one knew once that is needed. */
   function restart() {
-    const waiting = queue;
-    queue = [];
     worker?.terminate();
     running = null;
+    again = [];
+    for (const part of ["mesh", "fit", "surface", "model"] as const) stale.add(part);
     start();
-    overtaken = false;
-    again("openMesh", state.open);
-    again("fit", state.fit && [state.fit]);
-    again("surface", state.surface);
-    again("openModel", state.model);
-    again("setModel", state.set);
-    state.tangents.forEach((tangent) => again("setTangent", tangent));
-    queue.push(...waiting);
   }
 
   return {
@@ -212,33 +278,26 @@ export function createKernel(options: Options = {}): Kernel {
     openMesh: (bytes, name, repairs) => call("openMesh", bytes.slice(), name, repairs ?? []),
     given: () => call("given"),
     fit: (design, progress) =>
-      enqueue("fit", [structuredClone(design)], { progress }) as ReturnType<Kernel["fit"]>,
+      enqueue("fit", [structuredClone(design)], progress) as ReturnType<Kernel["fit"]>,
     async cancel() {
-      if (running === null || running.replay) return;
-      const { reject } = running;
-      restart();
-      reject(cancelled);
+      if (running !== null && !running.replay) {
+        const { reject } = running;
+        restart();
+        return reject(cancelled);
+      }
+      // A new worker is on its way to where the old one was: what would run next does not begin.
+      queue.shift()?.reject(cancelled);
     },
     control: (iteration) => call("control", iteration),
     surface: (fineness, iteration) => call("surface", { ...fineness }, iteration),
     // Both workspaces have values and files; patches come first.
     values: ((...args: unknown[]) =>
       args.length > 1 ? call("patchValues", ...args) : call("values", ...args)) as Kernel["values"],
-    query: (selected, query) => call("query", selected, query),
+    query: (selected, query) => call("query", selected.slice(), query),
     spreadTension: (design, selected, value, distance) =>
-      call("spreadTension", design, selected, value, distance),
-    grab: (vertices) => call("grab", vertices),
-    drag(offset) {
-      // Only the newest offset is sent: who asked for one that was still waiting gets the answer to this.
-      const last = queue.at(-1);
-      if (last?.name !== "drag") return call("drag", [...offset] as Triple);
-      last.args = [[...offset]];
-      return new Promise<DragAnswer>((resolve, reject) => {
-        const { resolve: before, reject: beforeReject } = last;
-        last.resolve = ((answer: DragAnswer) => (before(answer as never), resolve(answer))) as Waiting["resolve"];
-        last.reject = (why) => (beforeReject(why), reject(why));
-      });
-    },
+      call("spreadTension", structuredClone(design), selected.slice(), value, distance),
+    grab: (vertices) => call("grab", vertices.slice()),
+    drag: (offset) => latest<DragAnswer>("drag", [[...offset]], 0),
     release: () => call("release"),
     save: ((...args: unknown[]) =>
       args.length > 1 ? call("save", ...args) : call("saveSurface", ...args)) as Kernel["save"],
@@ -246,7 +305,8 @@ export function createKernel(options: Options = {}): Kernel {
     openModel: (bytes, name) => call("openModel", bytes.slice(), name),
     setModel: (model) => call("setModel", structuredClone(model)),
     patch: (index) => call("patch", index),
-    setTangent: (patch, row, column, tangent) => call("setTangent", patch, row, column, tangent),
+    setTangent: (patch, row, column, tangent) =>
+      latest<PatchGeometry>("setTangent", [patch, row, column, [...tangent]], 3),
     setComponent: (tangent, axis, value) => call("setComponent", tangent, axis, value),
     rotate: (tangent, axis, degrees) => call("rotate", tangent, axis, degrees),
     arcs: (patch, rows, steps) => call("arcs", patch, rows, steps),
@@ -254,7 +314,7 @@ export function createKernel(options: Options = {}): Kernel {
     combs: (patch, scale) => call("combs", patch, scale),
     saveModel: () => call("saveModel"),
 
-    readProject: (bytes) => call("readProject", bytes),
-    writeProject: (project) => call("writeProject", project),
+    readProject: (bytes) => call("readProject", bytes.slice()),
+    writeProject: (project) => call("writeProject", structuredClone(project)),
   };
 }

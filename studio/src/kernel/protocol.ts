@@ -12,7 +12,8 @@ export type Message =
   | { kind: "broken"; problem: Problem }
   | { kind: "progress"; id: number; steps: unknown[] }
   | { kind: "answer"; id: number; value: unknown }
-  | { kind: "problem"; id: number; problem: Problem };
+  /** `fatal` if the kernel cannot go on: a fault of ours. */
+  | { kind: "problem"; id: number; problem: Problem; fatal: boolean };
 
 /** Sent before all calls: the compiled module, so that another worker need not compile it again. */
 export type Start = { kind: "start"; module: WebAssembly.Module };

@@ -140,7 +140,7 @@ function toProblem(thrown: unknown): Problem {
     }
   }
   if (thrown instanceof Error) {
-    const help = "this is a fault of the program; save the project and reload the page";
+    const help = "this is a fault of the program; what was there before is there again";
     return problem(`the kernel failed: ${thrown.message}`, help);
   }
   return thrown as Problem;
@@ -153,7 +153,8 @@ function answer({ id, name, args }: Call) {
     const value = call(...all);
     post({ kind: "answer", id, value }, buffers(value));
   } catch (thrown) {
-    post({ kind: "problem", id, problem: toProblem(thrown) });
+    const fatal = thrown instanceof WebAssembly.RuntimeError;
+    post({ kind: "problem", id, problem: toProblem(thrown), fatal });
   }
 }
 

@@ -19,7 +19,7 @@ export const RAMP_TEXTURES = {
 /** The direction that points up, shared by all materials. */
 export const UP = { value: new THREE.Vector3(0, 1, 0) };
 
-export const FINISH = { shaded: 0, zebra: 1, reflection: 2 } as const;
+export const FINISH = { shaded: 0, wire: 0, zebra: 1, reflection: 2 } as const;
 
 /** Three lamps that turn with the camera above a sky that does not, a soft highlight, a sheen at the rim. */
 export function surfaceMaterial(): THREE.ShaderMaterial {

@@ -186,6 +186,7 @@ export class MeshView {
   #surface: Skin | null = null;
   #control: Skin | null = null;
   #shown: Settings["shown"] | null = null;
+  #isWire = false;
   #selected: Indices = NONE;
   #hovered: number | null = null;
   #faceCount = 0;
@@ -320,7 +321,7 @@ export class MeshView {
         this.#replace("selectedPoints", skin.sharing(NONE));
         this.#replace("hoverPoint", skin.sharing(NONE));
         skin.geometry.computeBoundingBox();
-        this.#viewport.setBounds(skin.geometry.boundingBox!);
+        this.#viewport.setBounds(skin.geometry.boundingBox!, given.positions);
       }
     }
     if (given && this.#givenSkin) {
@@ -453,6 +454,7 @@ export class MeshView {
   setSettings({ shown, shading, colouring }: Settings): void {
     const before = this.#shown;
     this.#shown = shown;
+    this.#isWire = shading === "wire";
     if (before?.creases !== shown.creases || before.surface !== shown.surface) this.#drawThick();
     if (before?.surface !== shown.surface) this.setFaces(this.#selected);
     this.#materials.surface.uniforms["finish"]!.value = FINISH[shading];
@@ -466,18 +468,19 @@ export class MeshView {
     const o = this.#objects;
     const hasGiven = this.#givenSkin !== null;
     const hasSurface = this.#surface !== null;
-    o.surface.visible = hasSurface && shown.surface;
+    const isShown = hasSurface && shown.surface;
+    o.surface.visible = isShown && !this.#isWire;
     // Without a surface, the mesh itself is better than nothing.
     o.given.visible = hasGiven && (shown.faces || !hasSurface);
-    const alone = !o.surface.visible;
+    const alone = !isShown;
     const { given } = this.#materials;
     given.uniforms["opacity"]!.value = alone ? 1 : 0.3;
     given.transparent = !alone;
     given.depthWrite = alone;
-    o.surfaceEdges.visible = hasSurface && shown.surfaceEdges;
-    this.#materials.surfaceEdges.uniforms["opacity"]!.value = alone ? 0.5 : 0.16;
+    o.surfaceEdges.visible = hasSurface && (shown.surfaceEdges || (isShown && this.#isWire));
+    this.#materials.surfaceEdges.uniforms["opacity"]!.value = o.surface.visible ? 0.16 : 0.4;
     if (o.surfaceEdges.visible) this.#line("surfaceEdges", () => this.#surface!.edges);
-    o.patches.visible = o.surface.visible && shown.patches;
+    o.patches.visible = isShown && shown.patches;
     if (o.patches.visible) this.#line("patches", () => this.#surface!.lines.pairs);
     o.edges.visible = hasGiven && (shown.edges || (alone && shown.patches));
     o.hiddenEdges.visible = o.edges.visible && !alone;

@@ -28,6 +28,17 @@ const FROM_Y = {
   z: new THREE.Quaternion().setFromAxisAngle(new THREE.Vector3(1, 0, 0), Math.PI / 2),
 } as const;
 
+/** Air around what is shown. */
+const AIR = 1.12;
+
+function cornersOf({ min, max }: THREE.Box3): number[] {
+  const corners: number[] = [];
+  for (const x of [min.x, max.x]) {
+    for (const y of [min.y, max.y]) for (const z of [min.z, max.z]) corners.push(x, y, z);
+  }
+  return corners;
+}
+
 export interface Insets {
   left: number;
   right: number;
@@ -57,6 +68,7 @@ export class Viewport {
   #up: Up = "y";
   #insets: Insets = { left: 0, right: 0, top: 0, bottom: 0 };
   #nextInsets = this.#insets;
+  #points: ArrayLike<number> = [];
   #sphere = new THREE.Sphere(new THREE.Vector3(), 1);
   #request = 0;
   #flight = 0;
@@ -142,9 +154,10 @@ export class Viewport {
     this.#nextInsets = insets;
   }
 
-  /** What `fit` shows and the depth range covers. */
-  setBounds(box: THREE.Box3): void {
+  /** What `fit` shows and the depth range covers: a box, or more closely the points in it. */
+  setBounds(box: THREE.Box3, points: Float32Array | null = null): void {
     box.getBoundingSphere(this.#sphere);
+    this.#points = points ?? cornersOf(box);
     if (!(this.#sphere.radius > 0)) this.#sphere.radius = 1;
     this.#setLimits();
     this.invalidate();
@@ -167,11 +180,27 @@ export class Viewport {
       : this.camera.position.clone().sub(this.controls.target);
     const { clientWidth: w, clientHeight: h } = this.canvas;
     const { left, right, top, bottom } = this.#insets;
-    const slope = Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2));
-    const free = Math.min(Math.max(h - top - bottom, 80), Math.max(w - left - right, 80)) / Math.max(h, 1);
-    const distance = (0.88 * this.#sphere.radius) / Math.sin(Math.atan(slope * free));
-    const position = this.#sphere.center.clone().addScaledVector(towards.normalize(), distance);
+    towards.normalize();
+    const slope = Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2)) / Math.max(h, 1);
+    const wide = slope * Math.max(w - left - right, 80);
+    const high = slope * Math.max(h - top - bottom, 80);
+    const distance = this.#distanceToSee(towards, wide, high);
+    const position = this.#sphere.center.clone().addScaledVector(towards, distance);
     this.#go(position, this.#sphere.center.clone(), fly);
+  }
+
+  /** How far from the middle all points are within slopes to the side and up, and a little air around them. */
+  #distanceToSee(towards: THREE.Vector3, wide: number, high: number): number {
+    const side = new THREE.Vector3().crossVectors(this.camera.up, towards).normalize();
+    const over = new THREE.Vector3().crossVectors(towards, side);
+    const p = new THREE.Vector3();
+    let distance = this.#sphere.radius * 0.1;
+    for (let i = 0; i < this.#points.length; i += 3) {
+      p.fromArray(this.#points, i).sub(this.#sphere.center);
+      const needs = Math.max(Math.abs(p.dot(side)) / wide, Math.abs(p.dot(over)) / high);
+      distance = Math.max(distance, p.dot(towards) + AIR * needs);
+    }
+    return distance;
   }
 
   /** Turns the camera around what it looks at, by degrees to the right and up. */

@@ -4,7 +4,8 @@ import { signal } from "@preact/signals";
 import type { Colouring } from "../kernel/api";
 import { STREAM_SHOWN, type StreamShown } from "../stream/shown";
 
-export type Shading = "shaded" | "zebra" | "reflection";
+/** `wire` is the surface as its edges alone. */
+export type Shading = "shaded" | "wire" | "zebra" | "reflection";
 /** The axis that points up on the screen. */
 export type Up = "y" | "z";
 export type Theme = "auto" | "light" | "dark" | "contrast";

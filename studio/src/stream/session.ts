@@ -645,9 +645,8 @@ export class StreamSession {
     }
     const geometry = await timed("drag", this.kernel.setTangent(patch, place.row, place.column, tangent));
     const geometries = this.geometries.peek().map((old, i) => (i === patch ? geometry : old));
-    if (stitchOf(before) !== false) {
-      for (const i of geometries.keys()) if (i !== patch) geometries[i] = await this.kernel.patch(i);
-    }
+    // Patches that are stitched to it move with it.
+    for (const i of geometry.others ?? []) geometries[i] = await this.kernel.patch(i);
     // Something else may have changed the document meanwhile; then the loop sends that.
     const isStill = this.model.peek() === before;
     this.#held = isStill ? model : null;

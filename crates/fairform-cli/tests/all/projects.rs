@@ -26,8 +26,7 @@ fn part() -> MeshPart {
 /// With a project in it.
 fn folder(mesh: Option<MeshPart>, model: Option<Value>) -> Folder {
     let mut project = Project::default();
-    project.mesh = mesh;
-    project.model = model;
+    (project.mesh, project.model) = (mesh, model);
     let folder = Folder::new();
     fs::write(folder.path("a.fairform.json"), project::encode(&project)).unwrap();
     folder

@@ -1,7 +1,10 @@
 //! Numbers behind a PLY header: text, or binary in either byte order.
 
+use std::ops::Range;
+
 use super::header::{Element, Property, Scalar};
 use crate::error::{ParseError, Place};
+use crate::lines::Lines;
 use crate::par;
 use crate::text::Scanner;
 
@@ -10,6 +13,18 @@ pub(super) const END: &str = "the file ends";
 
 /// Where the numbers come from.
 pub(super) trait Body {
+    /// What `read` makes of all rows of an element: of those in each of a few parts of the body, in
+    /// order, or of all at once.
+    fn gather<R: Send>(
+        &mut self,
+        element: &Element<'_>,
+        read: impl Fn(&mut Self, Range<u64>) -> Result<R, ParseError> + Sync + Send,
+    ) -> Result<Vec<R>, ParseError>
+    where
+        Self: Sized,
+    {
+        Ok(vec![read(self, 0..element.count)?])
+    }
     /// An error unless what is left can hold the rows of an element.
     fn check(&self, element: &Element<'_>) -> Result<(), ParseError>;
     /// Starts a row.
@@ -20,6 +35,8 @@ pub(super) trait Body {
     }
     /// Whether nothing is left.
     fn is_at_end(&mut self) -> bool;
+    /// How many bytes are left behind the last element.
+    fn left(&mut self) -> usize;
     /// The next number. Fails at the end.
     fn number(&mut self, scalar: Scalar) -> Result<f64, ParseError>;
     /// The next whole number, of a type that is no floating one. Fails at the end.
@@ -81,11 +98,56 @@ fn single(row: &[u8], at: usize) -> f32 {
     row[at..].first_chunk().map_or(f32::NAN, |bytes| f32::from_le_bytes(*bytes))
 }
 
+/// Numbers as text, whose rows may go over several lines.
 pub(super) struct AsciiBody<'a> {
-    pub(super) text: Scanner<'a>,
+    text: Scanner<'a>,
+    /// To read in parts, where each row must have a line of its own: the lines.
+    lines: Option<Lines<'a>>,
+    /// The line of the next row.
+    line: usize,
+    /// Whether a row ends with the line.
+    by_line: bool,
+}
+
+impl<'a> AsciiBody<'a> {
+    /// A body that is read from its first row to the last.
+    pub(super) fn new(text: Scanner<'a>) -> Self {
+        Self { text, lines: None, line: 0, by_line: false }
+    }
+
+    /// A body that is read in so many parts. It fails, without saying what is wrong, where a row has
+    /// no line of its own or there is another fault.
+    pub(super) fn in_parts(text: Scanner<'a>, part_count: usize) -> Self {
+        Self { lines: Some(Lines::new(&text, part_count, false)), ..Self::new(text) }
+    }
+
+    /// Goes to the next number.
+    fn seek(&mut self) {
+        if self.by_line { self.text.skip_blanks() } else { self.text.skip_space() }
+    }
 }
 
 impl Body for AsciiBody<'_> {
+    fn gather<R: Send>(
+        &mut self,
+        element: &Element<'_>,
+        read: impl Fn(&mut Self, Range<u64>) -> Result<R, ParseError> + Sync + Send,
+    ) -> Result<Vec<R>, ParseError> {
+        let Some(lines) = self.lines.as_ref().filter(|_| element.has_rows()) else {
+            return Ok(vec![read(self, 0..element.count)?]);
+        };
+        let first = self.line;
+        let left = lines.len() - first;
+        let count = usize::try_from(element.count).ok().filter(|count| *count <= left);
+        let end = first + count.ok_or_else(|| ParseError::file(END))?;
+        let parts = lines.map(first..end, |text, rows| {
+            let mut part = Self { by_line: true, ..Self::new(text) };
+            read(&mut part, (rows.start - first) as u64..(rows.end - first) as u64)
+        });
+        self.line = end;
+        parts.into_iter().collect()
+    }
+
     fn check(&self, element: &Element<'_>) -> Result<(), ParseError> {
         // A number takes a byte, and one to part it from the next.
         let numbers = element.count.saturating_mul(element.properties.len() as u64);
@@ -123,18 +185,26 @@ impl Body for AsciiBody<'_> {
         self.text.is_at_end()
     }
 
-    fn number(&mut self, _: Scalar) -> Result<f64, ParseError> {
+    fn left(&mut self) -> usize {
+        if let Some(lines) = &self.lines {
+            return lines.start(self.line).map_or(0, |text| text.remaining());
+        }
         self.text.skip_space();
+        self.text.remaining()
+    }
+
+    fn number(&mut self, _: Scalar) -> Result<f64, ParseError> {
+        self.seek();
         self.text.number()
     }
 
     fn integer(&mut self, _: Scalar) -> Result<i64, ParseError> {
-        self.text.skip_space();
+        self.seek();
         self.text.integer("a whole number")
     }
 
     fn length(&mut self, _: &Property<'_>) -> Result<usize, ParseError> {
-        self.text.skip_space();
+        self.seek();
         let at = self.text.at;
         let length = self.text.count("the length of a list")?;
         if length > (self.text.remaining() as u64).div_ceil(2) {
@@ -146,7 +216,7 @@ impl Body for AsciiBody<'_> {
 
     fn skip(&mut self, _: Scalar, count: usize) -> Result<(), ParseError> {
         for _ in 0..count {
-            self.text.skip_space();
+            self.seek();
             if self.text.word().is_empty() {
                 return Err(self.text.unexpected("a number"));
             }
@@ -196,6 +266,10 @@ impl<const BIG: bool> Body for BinaryBody<'_, BIG> {
 
     fn is_at_end(&mut self) -> bool {
         self.at >= self.bytes.len()
+    }
+
+    fn left(&mut self) -> usize {
+        self.bytes.len() - self.at
     }
 
     fn number(&mut self, scalar: Scalar) -> Result<f64, ParseError> {

@@ -111,6 +111,11 @@ impl Element<'_> {
         self.properties.iter().map(|p| p.count.unwrap_or(p.scalar).size()).sum()
     }
 
+    /// Whether there are rows that take any place.
+    pub(super) fn has_rows(&self) -> bool {
+        self.count > 0 && !self.properties.is_empty()
+    }
+
     pub(super) fn has_lists(&self) -> bool {
         self.properties.iter().any(|p| p.count.is_some())
     }

@@ -3,6 +3,8 @@
 use std::io::Write;
 use std::ops::Range;
 
+use fairform::FaceId;
+
 use crate::data::{MeshData, WriteOptions, all_exact_bytes, exact_bytes};
 use crate::error::Error;
 use crate::format::{NORMALS_PER_CORNER, left_out};
@@ -200,9 +202,9 @@ fn face_rows(data: &MeshData, short_lists: bool, rows: Range<usize>, out: &mut R
     let length = |out: &mut RowWriter<'_>, n: usize| {
         if short_lists { out.byte(n as u8) } else { out.index(n as u32) }
     };
-    let (start, corners) = (data.faces.starts(), data.faces.corners());
+    let corners = data.faces.corners();
     for face in rows {
-        let own = start[face] as usize..start[face + 1] as usize;
+        let own = data.faces.range(FaceId(face as u32));
         length(out, own.len());
         corners[own.clone()].iter().for_each(|v| out.index(*v));
         if let Some(uvs) = &data.corner_uvs {

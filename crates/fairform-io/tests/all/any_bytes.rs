@@ -10,6 +10,8 @@ use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use serde_json::Value;
 
+use crate::common::same_in_parts;
+
 /// Small files of every format, good and bad, to make others from.
 static SEEDS: LazyLock<Vec<(Format, Vec<u8>)>> = LazyLock::new(|| {
     let mut seeds = Vec::new();
@@ -65,7 +67,9 @@ fn size(data: &MeshData) -> usize {
 
 /// Parses, and checks what readers promise of whatever comes out: the corners are vertices, the
 /// size is in proportion to the bytes, and the writers take it.
+/// In however many parts a text is read, the mesh or error is the same.
 fn check(bytes: &[u8], format: Format) -> Result<(), TestCaseError> {
+    same_in_parts(bytes, format)?;
     let Ok(data) = parse(bytes, format) else { return Ok(()) };
     prop_assert!(data.faces.corners().iter().all(|v| (*v as usize) < data.positions.len()));
     // glTF may repeat its parts; everything else says each number once, in at least 2 bytes.

@@ -12,6 +12,7 @@ use crate::error::Error;
 use crate::ids::{HalfedgeId, VertexId};
 use crate::refine::{DooSabinRows, PhaseOne};
 use crate::rows;
+use crate::rules::largest_fan;
 use crate::scheme::loop_scheme::{
     inward_tangent_centre_weight, inward_tangent_weight, tangent_weights,
 };
@@ -153,9 +154,16 @@ pub(crate) fn side_tangents(
     let place = topology.fan(v).position(|g| g == h).unwrap_or(0);
     let size = topology.fan_size(v) as usize;
     let mut here = [Vec3::ZERO; 2];
-    let (images, interpolating, weights, refined) =
-        (None, None, Vec::new(), phase_one(topology, points, rules));
-    let tangents = Tangents { sharp, rules, points, refined, images, weights, interpolating };
+    let tangents = Tangents {
+        sharp,
+        rules,
+        points,
+        refined: phase_one(topology, points, rules),
+        images: None,
+        weights: Vec::new(),
+        quad_weights: Vec::new(),
+        interpolating: None,
+    };
     let around: Vec<u32> = topology.ring(v).map(|q| q.0).collect();
     tangents.at(v, &around, |(first, count), t| {
         if (place + size - first % size) % size < count {
@@ -175,8 +183,9 @@ struct Tangents<'a> {
     /// Loop and Catmull–Clark in two phases: the points after phase one.
     refined: Option<Vec<Vec3>>,
     images: Option<DooSabinRows<'a>>,
-    /// Loop: tangent weights of all ring places, for the usual valences.
+    /// Tangent weights of all ring places, for the usual valences: Loop's, and Catmull and Clark's.
     weights: Vec<Vec<[f64; 2]>>,
+    quad_weights: Vec<Vec<[[f64; 2]; 2]>>,
     interpolating: Option<InterpolatingTangents<'a>>,
 }
 
@@ -185,8 +194,18 @@ impl<'a> Tangents<'a> {
         assert_eq!(points.len(), topology.vertex_count(), "one point per vertex");
         super::check(topology, rules)?;
         let images = (rules.scheme == Scheme::DooSabin).then(|| DooSabinRows::new(topology, rules));
-        let row = |n: u32| (0..n).map(|i| tangent_weights(n, i)).collect();
-        let weights = (0..=64).map(row).collect();
+        let (mut weights, mut quad_weights) = (Vec::new(), Vec::new());
+        let usual = 0..=largest_fan(topology).min(64);
+        match rules.scheme {
+            Scheme::Loop => {
+                weights.extend(usual.map(|n| (0..n).map(|i| tangent_weights(n, i)).collect()));
+            }
+            Scheme::CatmullClark => {
+                let of = catmull_clark::tangent_weights;
+                quad_weights.extend(usual.map(|n| (0..n).map(|i| of(n, i)).collect()));
+            }
+            _ => {}
+        }
         let interpolating = if rules.scheme.is_interpolating() {
             Some(InterpolatingTangents::new(topology, points, rules)?)
         } else {
@@ -194,7 +213,7 @@ impl<'a> Tangents<'a> {
         };
         let sharp = rules.sharpness(topology);
         let refined = phase_one(topology, points, rules);
-        Ok(Self { sharp, rules, points, refined, images, weights, interpolating })
+        Ok(Self { sharp, rules, points, refined, images, weights, quad_weights, interpolating })
     }
 
     /// The tangents at a vertex, for each of its sectors between sharp edges: first face and number
@@ -212,12 +231,17 @@ impl<'a> Tangents<'a> {
         if let Some(tangents) = &self.interpolating {
             return tangents.at(v, &mut |t| found(all, t));
         }
-        if self.rules.scheme == Scheme::Loop
-            && self.rules.creases.is_none()
-            && self.refined.is_none()
-            && !topology.is_boundary(v)
-        {
-            return found(all, self.ring(around));
+        let is_plain =
+            self.rules.creases.is_none() && self.refined.is_none() && !topology.is_boundary(v);
+        match self.rules.scheme {
+            Scheme::Loop if is_plain => return found(all, self.ring(around)),
+            // Other faces become quadrilaterals with a step.
+            Scheme::CatmullClark if is_plain && topology.uniform_face_size() == Some(4) => {
+                let opposite = topology.fan(v).map(|h| point(topology.target(topology.next(h))));
+                let edges = around.iter().map(|&q| self.points[q as usize]);
+                return found(all, self.quads(edges.zip(opposite), all.1));
+            }
+            _ => {}
         }
         let mut local = Local::new(self.sharp, self.rules, v);
         let mut values = Vec::with_capacity(1 + around.len() + topology.fan_size(v) as usize);
@@ -240,7 +264,9 @@ impl<'a> Tangents<'a> {
         let faces = &values[1 + m..];
         if local.is_smooth() {
             let tangents = match self.rules.scheme {
-                Scheme::CatmullClark => quads(edges, faces),
+                Scheme::CatmullClark => {
+                    self.quads(edges.iter().copied().zip(faces.iter().copied()), k)
+                }
                 _ => ring(edges.iter().copied(), k as u32),
             };
             return found(all, tangents);
@@ -270,6 +296,21 @@ impl<'a> Tangents<'a> {
             let [c, s] = table.map_or_else(|| tangent_weights(n, i as u32), |row| row[i]);
             t[0] += c * self.points[q as usize];
             t[1] += s * self.points[q as usize];
+        }
+        t
+    }
+
+    /// Catmull and Clark's tangents from the neighbours and opposite corners of an interior vertex of valence
+    /// `n`.
+    fn quads(&self, around: impl Iterator<Item = (Vec3, Vec3)>, n: usize) -> [Vec3; 2] {
+        let table = self.quad_weights.get(n);
+        let mut t = [Vec3::ZERO; 2];
+        for (i, (e, f)) in around.enumerate() {
+            let weights = table
+                .map_or_else(|| catmull_clark::tangent_weights(n as u32, i as u32), |row| row[i]);
+            for (t, [edge, face]) in t.iter_mut().zip(weights) {
+                *t += edge * e + face * f;
+            }
         }
         t
     }
@@ -330,18 +371,6 @@ fn ring(points: impl Iterator<Item = Vec3>, n: u32) -> [Vec3; 2] {
         let [c, s] = tangent_weights(n, i as u32);
         t[0] += c * q;
         t[1] += s * q;
-    }
-    t
-}
-
-/// Catmull–Clark tangents from the neighbours and opposite corners of an interior vertex.
-fn quads(edges: &[Vec3], faces: &[Vec3]) -> [Vec3; 2] {
-    let mut t = [Vec3::ZERO; 2];
-    for (i, (&e, &f)) in edges.iter().zip(faces).enumerate() {
-        let weights = catmull_clark::tangent_weights(edges.len() as u32, i as u32);
-        for (t, [edge, face]) in t.iter_mut().zip(weights) {
-            *t += edge * e + face * f;
-        }
     }
     t
 }

@@ -4,7 +4,8 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use super::{MOST_AT_ONCE, Plan, Points, Tessellation};
+use super::classes::MOST_CLASSES;
+use super::{Limits, MOST_AT_ONCE, Plan, Points, Tessellation};
 use crate::error::Error;
 use crate::ids::FaceId;
 use crate::refine::{self, check_size};
@@ -13,6 +14,10 @@ use crate::{Topology, Vec3};
 
 /// Most steps that are made at once where the base would otherwise be large.
 pub const MOST_WITH_SMALL_BASE: u32 = 5;
+
+/// Most fine faces that are made step by step where more than [`MOST_AT_ONCE`] steps are made at once: with what
+/// lies around they take some hundred megabytes at worst.
+const MOST_LEFT: usize = 1 << 16;
 
 /// The level of the base of [`Tessellation::with_base`] with Loop's or Catmull and Clark's scheme, if not
 /// too much of the mesh is special.
@@ -34,7 +39,7 @@ pub fn base_level(
 }
 
 /// Steps that are made one by one if so many may be made at once: at least one.
-fn first_steps(levels: u32, at_once: u32) -> u32 {
+pub(super) fn first_steps(levels: u32, at_once: u32) -> u32 {
     levels.saturating_sub(at_once).max(levels.min(1))
 }
 
@@ -65,7 +70,9 @@ impl Tessellation {
         };
         for most in (MOST_AT_ONCE + 1..=at_once).rev() {
             let first = first_steps(levels, most);
-            let made = Self::with_at_most(topology, rules, first, levels, points, most)?;
+            let left = MOST_LEFT >> (2 * most);
+            let limits = Limits { at_once: most, classes: MOST_CLASSES, left };
+            let made = Self::with_limits(topology, rules, first, levels, points, limits)?;
             if let Some(made) = made {
                 return Ok(made);
             }

@@ -12,10 +12,6 @@ use crate::ids::{EdgeId, FaceId, HalfedgeId, NONE, VertexId};
 use crate::scheme::Rules;
 use crate::{Topology, par};
 
-/// Most faces that are made step by step where a face becomes a [large](Grid::is_large) grid: with what
-/// lies around they take some hundred megabytes at worst.
-const MOST_LEFT: u64 = 1 << 16;
-
 /// What the surroundings of a plain face, or of a vertex, look like.
 pub(super) type Key = [u8; 4];
 
@@ -32,12 +28,21 @@ pub(super) struct Cells {
 }
 
 impl Cells {
-    /// `None` if many steps are to be made at once and too many faces would be left.
+    /// `None` if more faces would be refined step by step than the limits allow.
     pub(super) fn new(topology: &Topology, task: Task<'_>) -> Result<Option<Self>, Error> {
         let keys = keys(topology, task.rules);
         let mut classes = Classes::default();
         let plain: Vec<Key> =
             distinct(&keys).into_iter().filter(|k| *k != Key::default()).collect();
+        // Each kind too many leaves a face: that is known before any rows are made.
+        let most_kinds = task.limits.classes.saturating_add(task.limits.left);
+        if plain.len() > most_kinds {
+            return Ok(None);
+        }
+        let special = special_parts(topology, task, &keys, most_kinds - plain.len());
+        if special.iter().any(|part| plain.len() + part.list.len() > most_kinds) {
+            return Ok(None);
+        }
         let of_plain = plain
             .iter()
             .map(|key| {
@@ -46,7 +51,7 @@ impl Cells {
                 Ok(found.unwrap_or(NONE))
             })
             .collect::<Result<Vec<u32>, Error>>()?;
-        let special = Special::new(topology, task, &keys, &mut classes)?;
+        let special = Special::new(special, task, &mut classes)?;
         let mut class = par::collect(keys.len(), |f| {
             plain.binary_search(&keys[f]).map_or(NONE, |place| of_plain[place])
         });
@@ -60,7 +65,7 @@ impl Cells {
         let start =
             par::starts(class.len(), count).map_err(|end| Error::TooLarge { halfedges: end })?;
         let (used, left) = used_and_left(topology, task, &class, classes.list.len());
-        if task.grid.is_large() && (left.len() as u64) << (2 * task.grid.levels) > MOST_LEFT {
+        if left.len() > task.limits.left {
             return Ok(None);
         }
         classes.finish(&used, task.grid);
@@ -136,24 +141,29 @@ struct SpecialPart {
 /// How many faces of a mesh can be passed over while the neighbourhood of one is gathered, or a part of that.
 const PASSED_OVER: usize = 256;
 
+/// The faces that are not plain, with all that their classes are found by. A part that has more than so many
+/// kinds ends there.
+fn special_parts(
+    topology: &Topology,
+    task: Task<'_>,
+    keys: &[Key],
+    most_kinds: usize,
+) -> Vec<SpecialPart> {
+    let faces = par::blocks(keys.len(), |block| {
+        let is_special = |f: &usize| keys[*f] == Key::default();
+        block.filter(is_special).map(|f| f as u32).collect::<Vec<_>>()
+    })
+    .concat();
+    // Each part fills memory in proportion to the mesh, so they are few, and one where that would
+    // take the longest.
+    let worth = PASSED_OVER * faces.len() / keys.len().max(1);
+    let count = worth.clamp(1, par::part_count());
+    let parts = faces.chunks(faces.len().div_ceil(count).max(1)).collect();
+    par::map_parts(parts, |part| SpecialPart::new(topology, task, part, most_kinds))
+}
+
 impl Special {
-    fn new(
-        topology: &Topology,
-        task: Task<'_>,
-        keys: &[Key],
-        classes: &mut Classes,
-    ) -> Result<Self, Error> {
-        let faces = par::blocks(keys.len(), |block| {
-            let is_special = |f: &usize| keys[*f] == Key::default();
-            block.filter(is_special).map(|f| f as u32).collect::<Vec<_>>()
-        })
-        .concat();
-        // Each part fills memory in proportion to the mesh, so they are few, and one where that would
-        // take the longest.
-        let worth = PASSED_OVER * faces.len() / keys.len().max(1);
-        let count = worth.clamp(1, par::part_count());
-        let parts = faces.chunks(faces.len().div_ceil(count).max(1)).collect();
-        let parts = par::map_parts(parts, |part| SpecialPart::new(topology, task, part));
+    fn new(parts: Vec<SpecialPart>, task: Task<'_>, classes: &mut Classes) -> Result<Self, Error> {
         let mut all = Self { start: alloc::vec![0], ..Self::default() };
         for SpecialPart { found, list } in parts {
             let of_part = list
@@ -175,7 +185,7 @@ impl Special {
 }
 
 impl SpecialPart {
-    fn new(topology: &Topology, task: Task<'_>, faces: &[u32]) -> Self {
+    fn new(topology: &Topology, task: Task<'_>, faces: &[u32], most_kinds: usize) -> Self {
         let mut gatherer = Gatherer::new(topology, task.rules);
         let mut known: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
         let mut part = Self::default();
@@ -199,6 +209,9 @@ impl SpecialPart {
             part.found.faces.push(f);
             part.found.class.push(class);
             part.found.start.push(part.found.sources.len());
+            if part.list.len() > most_kinds {
+                break;
+            }
         }
         part
     }

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 use super::grid::Grid;
 use super::kernel::{Form, PointRows};
-use super::{Points, Steps};
+use super::{Limits, Points, Steps};
 use crate::error::Error;
 use crate::evaluate::Neighbourhood;
 use crate::ids::VertexId;
@@ -49,6 +49,7 @@ pub(super) struct Task<'a> {
     pub(super) grid: &'a Grid,
     pub(super) rules: &'a Rules,
     pub(super) points: Points,
+    pub(super) limits: Limits,
 }
 
 impl Classes {
@@ -97,7 +98,7 @@ impl Classes {
             return Ok(Some(class));
         }
         let most = if task.grid.is_large() { MOST_LARGE_WEIGHTS } else { MOST_WEIGHTS };
-        if self.list.len() == MOST_CLASSES || self.weight_count >= most {
+        if self.list.len() == task.limits.classes || self.weight_count >= most {
             return Ok(None);
         }
         let (topology, rules, source_count) = local(task.rules)?;

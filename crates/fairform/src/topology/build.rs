@@ -35,8 +35,7 @@ impl Topology {
             return Err(Error::TooLarge { halfedges: halfedges.max(vertex_count as u64) });
         }
         let (mut defects, sound) = check_faces(vertex_count, faces);
-        let soup =
-            Soup { vertex_count, faces, polygons: Polygons::from_starts(faces.starts()), sound };
+        let soup = Soup { vertex_count, faces, polygons: Polygons::of(faces), sound };
 
         // By streams where that is the faster way.
         let is_scattered = soup.is_scattered();
@@ -80,12 +79,7 @@ impl Topology {
 
     /// A topology whose twins are known, and known to be consistent.
     pub(crate) fn from_twins(vertex_count: usize, faces: &Faces, twin: Vec<u32>) -> Self {
-        let soup = Soup {
-            vertex_count,
-            faces,
-            polygons: Polygons::from_starts(faces.starts()),
-            sound: Vec::new(),
-        };
+        let soup = Soup { vertex_count, faces, polygons: Polygons::of(faces), sound: Vec::new() };
         let (outgoing, fan) = soup.fans(&twin);
         let (polygons, origin) = (soup.polygons, faces.corners().to_vec());
         let (edge, edge_halfedge) = (Vec::new(), Vec::new());
@@ -271,6 +265,13 @@ fn repeated(corners: &[u32]) -> Option<u32> {
 }
 
 impl Polygons {
+    fn of(faces: &Faces) -> Self {
+        match faces.uniform_size() {
+            Some(size) if size > 0 => Self::Uniform { size },
+            _ => Self::from_starts(&faces.starts()),
+        }
+    }
+
     /// From where each face begins, and the end of all.
     pub(super) fn from_starts(start: &[u32]) -> Self {
         if let Some(size) = uniform_size(start).filter(|&size| size > 0) {
@@ -304,8 +305,8 @@ impl Soup<'_> {
             }
             return;
         }
-        for (f, w) in self.faces.starts().windows(2).enumerate() {
-            let (start, end) = (w[0] as usize, w[1] as usize);
+        for f in 0..self.faces.len() {
+            let Range { start, end } = self.faces.range(FaceId(f as u32));
             if self.is_sound(f) {
                 for h in start..end {
                     let next = if h + 1 == end { start } else { h + 1 };
@@ -317,10 +318,10 @@ impl Soup<'_> {
 
     /// Whether the mesh is large and its faces lie about in memory.
     fn is_scattered(&self) -> bool {
-        let (starts, corners) = (self.faces.starts(), self.faces.corners());
+        let first = |f: usize| self.faces.get(FaceId(f as u32))[0];
         self.sound.is_empty()
-            && corners.len() >= partition::FEWEST
-            && partition::is_scattered(|f| corners[starts[f] as usize], self.faces.len())
+            && self.faces.corners().len() >= partition::FEWEST
+            && partition::is_scattered(first, self.faces.len())
     }
 
     /// Where a half-edge begins and ends.

@@ -237,10 +237,9 @@ mod tests {
     /// The same twins, fans and edges as those of the other way, which small meshes take.
     fn check(n: usize, faces: &Faces) {
         let topology = Topology::from_faces(n, faces).expect("a torus");
-        let starts = faces.starts();
-        let size = starts[1] as usize;
+        let size = faces.uniform_size().expect("faces of one size") as usize;
         let (origin, count) = (faces.corners(), faces.corners().len());
-        assert!(count >= FEWEST && is_scattered(|f| origin[starts[f] as usize], faces.len()));
+        assert!(count >= FEWEST && is_scattered(|f| origin[size * f], faces.len()));
         let mut edges: Vec<_> = (0..count)
             .map(|h| {
                 let next = if (h + 1).is_multiple_of(size) { h + 1 - size } else { h + 1 };

@@ -3,7 +3,7 @@
 use crate::common::{assorted, polygons, random_creases, random_mesh};
 use fairform::refine::refine;
 use fairform::refine::refine_mesh;
-use fairform::tessellate::{Points, Tessellation};
+use fairform::tessellate::{FACES_PER_CLASS, Points, Tessellation};
 use fairform::{
     Border, Corners, Error, FaceId, HalfedgeId, Mesh, Rules, Scheme, Topology, Vec3, VertexId,
     limit, shapes,
@@ -155,12 +155,23 @@ fn at_once(fine: &Tessellation, rules: &Rules) -> u32 {
 
 /// Compares with step by step refinement, and tells how many classes there were.
 fn check(mesh: &Mesh, rules: &Rules, first: u32, levels: u32, name: &str) -> usize {
+    let new = |points| Tessellation::from_level(mesh.topology(), rules, first, levels, points);
+    check_made(mesh, rules, levels, name, |points| new(points).unwrap())
+}
+
+fn check_made(
+    mesh: &Mesh,
+    rules: &Rules,
+    levels: u32,
+    name: &str,
+    new: impl Fn(Points) -> Tessellation,
+) -> usize {
     let (stepped, next) = refine_mesh(mesh, rules, levels).unwrap();
     let (topology, values) = (stepped.topology(), stepped.positions());
     let diagonal = mesh.bounds().diagonal();
     let mut classes = 0;
     for points in [Points::Control, Points::Limit] {
-        let fine = Tessellation::from_level(mesh.topology(), rules, first, levels, points).unwrap();
+        let fine = new(points);
         classes = fine.class_count();
         assert_eq!(fine.vertex_count(), topology.vertex_count(), "{name}");
         assert_eq!(fine.face_count(), topology.face_count(), "{name}");
@@ -318,6 +329,37 @@ fn a_base_has_few_classes() {
     let fine = Tessellation::new(torus.topology(), &Rules::LOOP, 5, Points::Limit).unwrap();
     assert_eq!(fine.base().face_count(), 16 * torus.topology().face_count());
     assert_eq!(check(&shapes::icosahedron(), &Rules::LOOP, 1, 3, "icosahedron"), 2);
+}
+
+/// Without a mesh between where the faces of the control mesh are of few kinds, and with one where they are
+/// of too many.
+#[test]
+fn a_large_mesh_of_few_kinds_is_its_own_base() {
+    let few = FACES_PER_CLASS;
+    let sheet = |n: u32| crate::common::quad_sheet(n, n);
+    // Inside, at four sides and in four corners.
+    assert!(63 * 63 < 9 * few && 71 * 71 >= 9 * few);
+    for (scheme, mesh, classes) in [
+        (Scheme::Loop, shapes::torus(24, 30), Some(1)),
+        (Scheme::CatmullClark, sheet(72), Some(9)),
+        (Scheme::CatmullClark, sheet(64), None),
+        (Scheme::Loop, random_mesh(3, 40, 2), None),
+    ] {
+        let rules: Rules = scheme.into();
+        let name = format!("{scheme} {classes:?}");
+        for levels in 1..=if mesh.topology().face_count() > 2000 { 2 } else { 3 } {
+            let new = |points| Tessellation::new(mesh.topology(), &rules, levels, points).unwrap();
+            let made = check_made(&mesh, &rules, levels, &name, new);
+            let is_direct = new(Points::Limit).base() == &**mesh.topology();
+            assert_eq!(is_direct, classes.is_some(), "{name} {levels}");
+            assert!(classes.is_none_or(|count| count == made), "{name}: {made}");
+        }
+    }
+    // A mesh with shape parameters has to take the first step.
+    let mesh = shapes::torus(24, 30);
+    let rules = Rules { tension: Some(vec![0.7; 1440].into()), ..Rules::LOOP };
+    let fine = Tessellation::new(mesh.topology(), &rules, 2, Points::Limit).unwrap();
+    assert_eq!(fine.base().face_count(), 4 * 1440);
 }
 
 /// Published and independently computed values: control points two levels on, limit points, normals.

@@ -319,6 +319,7 @@ function ShowSection() {
         value={shading}
         options={[
           ["shaded", "Shaded"],
+          ["wire", "Wire"],
           ["zebra", "Zebra"],
           ["reflection", "Lines"],
         ]}

@@ -22,6 +22,7 @@ export function Rail({ session }: { session: Session }) {
         </>
       )}
       <ActionButton name="show.shaded" icon="shaded" />
+      <ActionButton name="show.wire" icon="wire" />
       <ActionButton name="show.zebra" icon="zebra" />
       <ActionButton name="show.reflection" icon="reflection" />
       <hr />
