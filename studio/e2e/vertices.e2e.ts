@@ -97,7 +97,8 @@ test("what is saved is what is seen, and the command reads it", async ({ studio 
 
 test("a project keeps everything, also for the command", async ({ studio }) => {
   const { after } = await dragOne(studio);
-  const path = await studio.download(() => studio.control("file.save").click());
+  await studio.control("save-menu").click();
+  const path = await studio.download(() => studio.control("menu-file.save").click());
   expect(path.endsWith("spot.fairform.json")).toBe(true);
   const fitted = join(studio.folder, "fitted.obj");
   fairform(["fit", path, "--quiet", "--control", fitted, "-o", join(studio.folder, "surface.ply")]);
