@@ -80,6 +80,7 @@ export class Session {
   );
 
   #drag: Drag | null = null;
+  #hidden: { points: boolean; patches: boolean } | null = null;
   /** The end of the last drag: the surface settles. */
   #ending: Promise<void> = Promise.resolve();
   /** The slide of the tension that goes on or was the last: spreading begins anew from its base, or it would add up. */
@@ -140,9 +141,7 @@ export class Session {
     try {
       const info = await this.main.open(source, repairs);
       if (source.up) change({ up: source.up });
-      // Of a fine mesh, points and lines would only hide the surface.
-      const isFine = info.vertexCount > 4000;
-      show({ points: !isFine, patches: !isFine });
+      this.#hidePointsOf(info.vertexCount);
       const levels = suitableLevels(info.faceCount, info.mostCorners);
       const mesh = meshDocument(source, repairs, designFor(info), levels);
       const document = { ...this.studio.history.present.peek(), mesh };
@@ -164,6 +163,18 @@ export class Session {
           (e: unknown) => this.studio.explain(`${source.name} cannot be opened`, e),
         );
       });
+    }
+  }
+
+  /** Of a fine mesh, points and lines would only hide the surface; with the next coarse one they are back. */
+  #hidePointsOf(vertexCount: number): void {
+    if (vertexCount > 4000) {
+      const { points, patches } = settings.peek().shown;
+      this.#hidden ??= { points, patches };
+      show({ points: false, patches: false });
+    } else if (this.#hidden) {
+      show(this.#hidden);
+      this.#hidden = null;
     }
   }
 

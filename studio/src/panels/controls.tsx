@@ -151,7 +151,12 @@ export function Choice<T extends string>(props: {
         value={props.value}
         disabled={props.disabled}
         data-testid={props.testid}
-        onChange={(e) => props.onChange(e.currentTarget.value as T)}
+        onChange={(e) => {
+          const chosen = e.currentTarget.value as T;
+          // What is shown follows from the state, also where a choice is only a way to do something.
+          e.currentTarget.value = props.value;
+          props.onChange(chosen);
+        }}
       >
         {props.options.map(([value, text]) => (
           <option key={value} value={value} selected={value === props.value}>
