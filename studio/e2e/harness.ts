@@ -9,13 +9,17 @@ import { createInterface } from "node:readline";
 import { fileURLToPath } from "node:url";
 
 import pixelmatch from "pixelmatch";
-import { type Browser, type Page, chromium } from "playwright-core";
+import { type Browser, type BrowserContext, type CDPSession, type Page, chromium } from "playwright-core";
 import { PNG } from "pngjs";
+import { expect, test as base } from "vitest";
+
+import type { Snapshot } from "../src/testing";
 
 const root = fileURLToPath(new URL("../..", import.meta.url));
 
 /** Files of the repository. */
 export const data = (path: string): string => join(root, "data", path);
+export const guide = (path: string): string => join(root, "docs", "guide", path);
 
 /** The command that is tested: the one that `FAIRFORM` names, or what was built last in this clone. */
 export function command(): string {
@@ -47,6 +51,20 @@ export function launch(): Promise<Browser> {
   return chromium.launch({ executablePath, headless: true, args: ARGS });
 }
 
+export interface Place {
+  x: number;
+  y: number;
+}
+
+export interface Options {
+  /** What `fairform studio` is started with. */
+  file?: string;
+  size?: { width: number; height: number };
+  touch?: boolean;
+  /** A context that is kept over pages, to come back with what it has stored. */
+  dark?: boolean;
+}
+
 /** A studio that runs, and a page that shows it. */
 export class Studio {
   /** Requests to any other host, errors in the console, and exceptions: there are to be none. */
@@ -55,31 +73,52 @@ export class Studio {
   readonly folder = mkdtempSync(join(tmpdir(), "fairform-studio-"));
   page!: Page;
   url = "";
-  private server: ChildProcess | undefined;
+  #server: ChildProcess | undefined;
+  #context!: BrowserContext;
+  #protocol: CDPSession | undefined;
 
-  static async open(browser: Browser, file?: string, size = { width: 1280, height: 800 }): Promise<Studio> {
+  static async open(browser: Browser, options: Options = {}): Promise<Studio> {
     const studio = new Studio();
-    await studio.serve(file);
-    const context = await browser.newContext({
-      viewport: size,
+    await studio.#serve(options.file);
+    studio.#context = await browser.newContext({
+      viewport: options.size ?? { width: 1280, height: 800 },
       acceptDownloads: true,
-      colorScheme: "light",
+      colorScheme: options.dark ? "dark" : "light",
       reducedMotion: "reduce",
+      hasTouch: options.touch ?? false,
     });
-    studio.page = await context.newPage();
-    studio.watch(studio.page);
-    await studio.page.goto(studio.url);
+    await studio.newPage();
     return studio;
   }
 
-  private async serve(file?: string): Promise<void> {
+  async #serve(file?: string): Promise<void> {
     const args = ["studio", "--no-open", ...(file ? [file] : [])];
-    const server = spawn(command(), args, { stdio: ["ignore", "pipe", "inherit"] });
-    this.server = server;
+    const server = spawn(command(), args, { stdio: ["ignore", "pipe", "pipe"] });
+    this.#server = server;
+    let said = "";
+    server.stderr.on("data", (text) => (said += text));
     this.url = await new Promise<string>((resolve, reject) => {
       createInterface({ input: server.stdout }).once("line", resolve);
-      server.once("exit", (code) => reject(new Error(`fairform studio ended with ${code}`)));
+      server.once("exit", (code) => reject(new Error(`fairform studio ended with ${code}: ${said}`)));
     });
+  }
+
+  /** Another page of the same browser, which has what an earlier one stored, in place of `page`. */
+  async newPage(): Promise<void> {
+    this.page = await this.#context.newPage();
+    this.#protocol = undefined;
+    this.page.setDefaultTimeout(60_000);
+    this.watch(this.page);
+    const response = await this.page.goto(this.url);
+    const policy = response?.headers()["content-security-policy"] ?? "";
+    if (!policy.includes("default-src 'none'")) this.trouble.push(`a page with the policy '${policy}'`);
+    await this.ready();
+  }
+
+  /** The page again, as after F5. */
+  async reload(): Promise<void> {
+    await this.page.reload();
+    await this.ready();
   }
 
   /** Whatever a page asks of other hosts, or complains about. */
@@ -96,13 +135,157 @@ export class Studio {
     });
   }
 
-  control(name: string) {
-    return this.page.getByTestId(name);
+  // -------------------------------------------------------------- waiting
+
+  /** Asks again and again, since the page's policy forbids what a browser's own waiting needs. */
+  async until<T>(what: string, ask: () => Promise<T>, good: (answer: T) => boolean, seconds = 60): Promise<T> {
+    const end = Date.now() + 1000 * seconds;
+    for (;;) {
+      const answer = await ask();
+      if (good(answer)) return answer;
+      if (Date.now() > end) throw new Error(`not within ${seconds} s: ${what}; it is ${JSON.stringify(answer)}`);
+      await new Promise((resolve) => setTimeout(resolve, 30));
+    }
   }
 
-  /** What the page says of its state, see `window.fairform` in src/. */
-  state<T>(read: string): Promise<T> {
-    return this.page.evaluate(`(() => { const studio = window.fairform; return ${read}; })()`) as Promise<T>;
+  /** Until something is on screen, and nothing is left to compute. */
+  async ready(): Promise<void> {
+    const ask = () => this.page.evaluate<boolean>("Boolean(window.fairform) && window.fairform.state().settled");
+    await this.until("a page with something on it", ask, (is) => is);
+    await this.settled();
+  }
+
+  /** Until the kernel has nothing left to do, and what it did is drawn. */
+  async settled(): Promise<Snapshot> {
+    await this.page.evaluate("window.fairform.idle()");
+    await this.frame();
+    await this.page.evaluate("window.fairform.idle()");
+    return this.state();
+  }
+
+  /** Until the page has drawn. */
+  async frame(): Promise<void> {
+    await this.page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))");
+  }
+
+  // -------------------------------------------------------------- looking
+
+  control(name: string) {
+    // Some commands have two buttons, of which one is out of sight.
+    return this.page.getByTestId(name).filter({ visible: true }).first();
+  }
+
+  text(name: string): Promise<string> {
+    return this.control(name).innerText();
+  }
+
+  number(name: string): Promise<number> {
+    return this.text(name).then((text) => Number(text.replaceAll(",", "")));
+  }
+
+  /** What the page says of itself, see src/testing.ts. */
+  state(): Promise<Snapshot> {
+    return this.page.evaluate("window.fairform.state()");
+  }
+
+  ask<T>(question: string): Promise<T> {
+    return this.page.evaluate(`window.fairform.${question}`);
+  }
+
+  /** Where a vertex is on the page. */
+  vertex(v: number): Promise<Place> {
+    return this.ask(`screenOf(${v})`);
+  }
+
+  /** A vertex that is seen and that no panel covers, nearest to a place. */
+  async vertexNear(place: Place): Promise<number> {
+    const { info } = await this.state();
+    const seen = await this.page.evaluate<(Place & { v: number })[]>(`(() => {
+      const found = [];
+      for (let v = 0; v < ${info!.vertexCount}; v += 1) {
+        const at = window.fairform.screenOf(v);
+        const isFree = document.elementFromPoint(at.x, at.y)?.tagName === "CANVAS";
+        if (isFree && window.fairform.vertexAt(at.x, at.y) === v) found.push({ v, ...at });
+      }
+      return found;
+    })()`);
+    const away = ({ x, y }: Place) => Math.hypot(x - place.x, y - place.y);
+    return seen.reduce((a, b) => (away(b) < away(a) ? b : a)).v;
+  }
+
+  // -------------------------------------------------------------- doing
+
+  /** Chooses a file in the browser's dialog. */
+  async choose(path: string): Promise<void> {
+    const [chooser] = await Promise.all([this.page.waitForEvent("filechooser"), this.control("file.open").click()]);
+    await chooser.setFiles(path);
+  }
+
+  /** Opens a file, and waits until its surface is there. */
+  async openFile(path: string): Promise<Snapshot> {
+    await this.choose(path);
+    const name = basename(path);
+    await this.until(`${name} is open`, () => this.state(), (now) => now.mesh?.name === name);
+    return this.settled();
+  }
+
+  async openSample(file: string): Promise<Snapshot> {
+    await this.control("file.gallery").click();
+    await this.control(`sample-${file}`).click();
+    await this.control("gallery").waitFor({ state: "detached" });
+    return this.settled();
+  }
+
+  /** Lets a file fall on the page. */
+  async drop(path: string, at: Place = { x: 400, y: 300 }): Promise<void> {
+    const data = { items: [], files: [path], dragOperationsMask: 1 };
+    for (const type of ["dragEnter", "dragOver", "drop"] as const) {
+      await (await this.protocol()).send("Input.dispatchDragEvent", { type, ...at, data });
+    }
+  }
+
+  /** Opens a part of the panel. */
+  async section(id: string): Promise<void> {
+    const section = this.control(`section-${id}`);
+    if ((await section.getAttribute("open")) === null) await section.locator("summary").click();
+  }
+
+  /** Types a number or words into a field. */
+  async type(name: string, text: string): Promise<void> {
+    await this.control(name).fill(text);
+    await this.control(name).press("Enter");
+  }
+
+  /** Drags a slider's handle from one share of its length to another. */
+  async slide(name: string, from: number, to: number): Promise<void> {
+    const slider = this.control(name);
+    await slider.scrollIntoViewIfNeeded();
+    const box = (await slider.boundingBox())!;
+    const y = box.y + box.height / 2;
+    // The handle's middle stays so far from the ends.
+    const inset = 8;
+    const at = (share: number) => ({ x: box.x + inset + share * (box.width - 2 * inset), y });
+    await this.drag(at(from), at(to));
+  }
+
+  /** Drags with the first button; `on` is called at every step. */
+  async drag(from: Place, to: Place, steps = 6, on: (step: number) => Promise<void> = async () => {}): Promise<void> {
+    const { mouse } = this.page;
+    // The gizmo wants to be pointed at before it is taken.
+    await mouse.move(from.x - 1, from.y);
+    await mouse.move(from.x, from.y);
+    await mouse.down();
+    for (let i = 1; i <= steps; i += 1) {
+      const t = i / steps;
+      await mouse.move(from.x + t * (to.x - from.x), from.y + t * (to.y - from.y));
+      await on(i);
+    }
+    await mouse.up();
+  }
+
+  async protocol(): Promise<CDPSession> {
+    this.#protocol ??= await this.#context.newCDPSession(this.page);
+    return this.#protocol;
   }
 
   /** Does what starts a download; the path of what was downloaded, with the name that the page gave it. */
@@ -113,10 +296,13 @@ export class Studio {
     return path;
   }
 
+  // -------------------------------------------------------------- judging
+
   /** Compares the page with a picture of before; with `FAIRFORM_PICTURES=new` makes a new one. */
   async looksLike(name: string, share = 0.02): Promise<void> {
     const kept = fileURLToPath(new URL(`pictures/${name}.png`, import.meta.url));
-    const shot = await this.page.screenshot();
+    await this.frame();
+    const shot = await this.page.screenshot({ caret: "hide" });
     if (process.env.FAIRFORM_PICTURES === "new" || !existsSync(kept)) {
       mkdirSync(fileURLToPath(new URL("pictures", import.meta.url)), { recursive: true });
       writeFileSync(kept, shot);
@@ -129,13 +315,16 @@ export class Studio {
     const difference = new PNG({ width, height });
     const count = pixelmatch(now.data, before.data, difference.data, width, height, { threshold: 0.2 });
     if (count > share * width * height) {
-      const folder = join(root, "target", "studio");
-      mkdirSync(folder, { recursive: true });
-      writeFileSync(join(folder, `${name}.png`), shot);
-      writeFileSync(join(folder, `${name}.difference.png`), PNG.sync.write(difference));
+      writeFileSync(scratch(`${name}.png`), shot);
+      writeFileSync(scratch(`${name}.difference.png`), PNG.sync.write(difference));
       const percent = ((100 * count) / (width * height)).toFixed(1);
       throw new Error(`${percent} % of ${name}.png is not as before: see target/studio/${name}*.png`);
     }
+  }
+
+  /** Writes a picture of the page into the documentation, if new ones are wanted. */
+  async depict(path: string): Promise<void> {
+    if (process.env.FAIRFORM_PICTURES === "new") writeFileSync(path, await this.page.screenshot({ caret: "hide" }));
   }
 
   /** What an accessibility checker finds on the page as it is now. */
@@ -153,9 +342,66 @@ export class Studio {
   }
 
   async close(): Promise<void> {
-    await this.page.context().close();
-    this.server?.removeAllListeners("exit");
-    this.server?.kill();
+    await this.#context.close();
+    this.#server?.removeAllListeners("exit");
+    this.#server?.kill();
     rmSync(this.folder, { recursive: true, force: true });
   }
+}
+
+/** A file in target/studio, for who looks why a test failed. */
+function scratch(name: string): string {
+  const folder = join(root, "target", "studio");
+  mkdirSync(folder, { recursive: true });
+  return join(folder, name);
+}
+
+/**
+ * A test with a studio. Whatever else it finds: at its end there were no requests to other hosts, no errors in
+ * the console, and the page came with its policy.
+ */
+export const test = base
+  .extend("browser", { scope: "file" }, async ({}, { onCleanup }) => {
+    const browser = await launch();
+    onCleanup(() => browser.close());
+    return browser;
+  })
+  .extend("open", async ({ browser, task }, { onCleanup }) => {
+    const studios: Studio[] = [];
+    onCleanup(async () => {
+      for (const studio of studios) {
+        if (task.result?.state === "fail") {
+          const name = task.name.replaceAll(/[^A-Za-z0-9]+/g, "-");
+          await studio.page.screenshot({ path: scratch(`failed-${name}.png`) }).catch(() => {});
+        }
+        const { trouble } = studio;
+        await studio.close();
+        expect(trouble).toEqual([]);
+      }
+    });
+    return async (options?: Options) => {
+      const studio = await Studio.open(browser, options);
+      studios.push(studio);
+      return studio;
+    };
+  })
+  .extend("studio", ({ open }) => open());
+
+export { expect };
+
+/** The vertices of an OBJ file. */
+export function vertices(path: string): number[][] {
+  const lines = readFileSync(path, "utf8").split("\n");
+  return lines.filter((line) => line.startsWith("v ")).map((line) => line.split(/\s+/).slice(1, 4).map(Number));
+}
+
+/** The largest distance between points of the same number. */
+export function gap(a: readonly (readonly number[])[], b: readonly (readonly number[])[]): number {
+  expect(a.length).toBe(b.length);
+  return Math.max(...a.map((p, i) => Math.hypot(...p.map((x, k) => x - b[i]![k]!))));
+}
+
+/** Triples of a flat list. */
+export function triples(flat: readonly number[]): number[][] {
+  return Array.from({ length: flat.length / 3 }, (_, i) => flat.slice(3 * i, 3 * i + 3));
 }

@@ -3,7 +3,8 @@
 
 import type { Session } from "./interpolation/session";
 import { list, run } from "./actions";
-import { status } from "./announce";
+import { message, status } from "./announce";
+import { fingerprint } from "./fingerprint";
 import { MEASURES, summary } from "./perf";
 import { settings } from "./state/settings";
 import { streamHooks, type StreamHooks } from "./stream/testing";
@@ -13,13 +14,17 @@ import { current } from "./workspace";
 
 export interface TestHooks {
   /** Plain data: the document without the bytes of the file, and what was computed from it. */
-  state: () => unknown;
+  state: () => Snapshot;
   /** Resolves when the kernel has nothing left to do. */
   idle: () => Promise<void>;
   /** Where a vertex of the given mesh is on the page, in CSS pixels. */
   screenOf: (vertex: number) => { x: number; y: number } | null;
   /** Where a click selects a face; null if it is hidden. */
   screenOfFace: (face: number) => { x: number; y: number } | null;
+  /** The vertex that a click finds. */
+  vertexAt: (x: number, y: number) => number | null;
+  /** Vertices of the given mesh, and the first as many of the surface, as they are drawn, 3 numbers each. */
+  places: () => { given: number[]; surface: number[] };
   /** Names of all actions, and running one. */
   actions: () => string[];
   run: (name: string) => boolean;
@@ -42,6 +47,12 @@ export function offerTestHooks(studio: Studio, session: Session, stream: StreamS
     },
     screenOf: (vertex) => session.scene.peek()?.screenOf(vertex) ?? null,
     screenOfFace: (face) => session.scene.peek()?.picker.screenOfFace(face) ?? null,
+    vertexAt: (x, y) => session.scene.peek()?.picker.vertexAt(x, y) ?? null,
+    places: () => {
+      const view = session.scene.peek()?.view;
+      const given = [...(view?.givenPositions ?? [])];
+      return { given, surface: [...(view?.surface?.positions.subarray(0, given.length) ?? [])] };
+    },
     actions: () => list().map((action) => action.name),
     run,
     flush: () => studio.autosave.flush(),
@@ -49,13 +60,19 @@ export function offerTestHooks(studio: Studio, session: Session, stream: StreamS
   };
 }
 
-function snapshot(studio: Studio, session: Session): unknown {
+export type Snapshot = ReturnType<typeof snapshot>;
+
+function snapshot(studio: Studio, session: Session) {
   const { mesh, model } = studio.history.present.peek();
   const { main } = session;
   const surface = main.surface.peek();
   const control = main.control.peek();
+  const drawn = session.scene.peek()?.view.surface?.positions;
+  const hasTrouble = main.trouble.peek() !== null || message.peek() !== null;
   return {
     workspace: current.peek(),
+    /** Whether there is something to see, or a reason why not. */
+    settled: surface !== null || model !== null || hasTrouble,
     mesh: mesh && {
       name: mesh.source.name,
       repairs: mesh.repairs,
@@ -74,6 +91,8 @@ function snapshot(studio: Studio, session: Session): unknown {
     trouble: main.trouble.peek(),
     iteration: session.iteration.peek(),
     surface: surface && { points: surface.positions.length / 3, triangles: surface.triangles.length / 3 },
+    /** Of the points of the surface as they are drawn. */
+    fingerprint: drawn ? fingerprint(drawn) : null,
     control: control && { points: control.positions.length / 3 },
     values: main.values.peek() && { ...main.values.peek(), values: undefined },
     camera: session.scene.peek()?.viewport.view ?? null,

@@ -167,6 +167,10 @@ export class MeshScene {
     return this.#main.viewport;
   }
 
+  get view(): MeshView {
+    return this.#main.view;
+  }
+
   get picker(): Picker {
     return this.#picker;
   }

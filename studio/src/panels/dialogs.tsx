@@ -91,6 +91,7 @@ export function Help({ studio }: { studio: Studio }) {
       <input
         type="search"
         class="search"
+        autofocus
         placeholder="Find a command"
         aria-label="Find a command"
         data-testid="help-search"

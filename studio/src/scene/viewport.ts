@@ -174,6 +174,8 @@ export class Viewport {
 
   /** Shows everything, from where the camera looks or from a given side. */
   fit(from?: Preset | Triple, fly = true): void {
+    // The place for it may have changed just now, and the observer tells only later.
+    this.#resize();
     this.#takeInsets();
     const towards = from
       ? new THREE.Vector3(...(typeof from === "string" ? TOWARDS[from] : from)).applyQuaternion(FROM_Y[this.#up])

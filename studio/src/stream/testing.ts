@@ -1,5 +1,6 @@
 // What the streamline workspace offers on `window.fairform.stream`, for tests only.
 
+import { fingerprint } from "../fingerprint";
 import type { StreamSession } from "./session";
 
 export interface StreamHooks {
@@ -23,6 +24,7 @@ export function streamHooks(session: StreamSession): StreamHooks {
         columnCount,
         milliseconds,
         last: [...positions.subarray(-3)],
+        fingerprint: fingerprint(positions),
       })),
       arcs: session.arcs.peek()?.length ?? null,
       combs: session.combs.peek()?.length ?? null,
