@@ -29,7 +29,9 @@ test("a brush paints a selection, and a slider tightens the surface there", asyn
   await studio.control("legend").waitFor();
   expect(await studio.text("legend-label")).toBe("Shape parameter λ");
   expect(await studio.number("legend-low")).toBeCloseTo(0.5, 1);
-  expect(await studio.number("legend-high")).toBeCloseTo(tensions[0]![1], 1);
+  // Most of what there is: the few tightest points may be beyond.
+  expect(await studio.number("legend-high")).toBeGreaterThan(0.6);
+  expect(await studio.number("legend-high")).toBeLessThan(tensions[0]![1] + 0.01);
 
   // The whole slide is one step.
   await studio.control("edit.undo").click();
