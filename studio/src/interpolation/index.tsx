@@ -41,7 +41,7 @@ globalThis.addEventListener?.("resize", () => void (pageWidth.value = innerWidth
 function insetsOf(session: Session, height: number): Insets {
   if (pageWidth.value <= 820) return { left: 56, right: 8, top: 8, bottom: 16 + 0.4 * (height || 600) };
   const hasOther = session.mesh.value?.compare != null;
-  const bottom = session.studio.welcome.value ? 128 : 8;
+  const bottom = session.studio.welcome.value ? 160 : 8;
   return { left: hasOther ? 28 : 56, right: hasOther ? 0 : 316, top: 8, bottom };
 }
 
