@@ -24,7 +24,8 @@ function firstLoad(): void {
     const small = gzipSync(bytes, { level: 9 }).length;
     sum += small;
     const kind = name.replace(/^assets\//, "").replace(/-[\w-]{8}\./, ".");
-    rows.push([`first load: ${kind}`, `${(small / 1000).toFixed(1)} kB`, `${(bytes.length / 1000).toFixed(0)} kB plain`]);
+    const plain = `${(bytes.length / 1000).toFixed(0)} kB plain`;
+    rows.push([`first load: ${kind}`, `${(small / 1000).toFixed(1)} kB`, plain]);
   }
   rows.push(["first load", `${(sum / 1000).toFixed(0)} kB`, "gzip -9; as served by the command it is not compressed"]);
 }
@@ -54,7 +55,8 @@ async function dragVertex(studio: Studio): Promise<void> {
   await studio.settled();
   await studio.drag(from, { x: from.x + 40, y: from.y + 20 }, 40, () => studio.frame());
   const { info, surface, milliseconds } = await studio.settled();
-  const size = `${info!.vertexCount.toLocaleString("en")} vertices, ${surface!.points.toLocaleString("en")} points drawn`;
+  const [vertices, points] = [info!.vertexCount, surface!.points].map((x) => x.toLocaleString("en"));
+  const size = `${vertices} vertices, ${points} points drawn`;
   reportDrag("vertex", milliseconds, size);
 }
 
@@ -72,7 +74,9 @@ async function dragTangent(studio: Studio): Promise<void> {
   reportDrag("tangent", milliseconds, `${rowCount} × ${columnCount} points`);
 }
 
-function reportDrag(what: string, milliseconds: Awaited<ReturnType<Studio["state"]>>["milliseconds"], size: string): void {
+type Times = Awaited<ReturnType<Studio["state"]>>["milliseconds"];
+
+function reportDrag(what: string, milliseconds: Times, size: string): void {
   const { kernel, drag } = milliseconds;
   rows.push([`${what} drag`, ms(kernel!.median), `kernel, median of ${kernel!.count}; ${size}`]);
   rows.push([`${what} drag, answered`, ms(drag!.median), "with the way to the worker and back"]);
@@ -82,6 +86,7 @@ test("figures", async ({ open }) => {
   firstLoad();
   for (const measure of [openAndFit, dragVertex, dragTangent]) await measure(await open());
   const widths = [0, 1].map((i) => Math.max(...rows.map((row) => row[i]!.length)));
-  const lines = rows.map(([what, value, how]) => `| ${what.padEnd(widths[0]!)} | ${value.padStart(widths[1]!)} | ${how} |`);
-  console.log(`| What | | |\n|---|--:|---|\n${lines.join("\n")}`);
+  const line = ([what, value, how]: (typeof rows)[0]) =>
+    `| ${what.padEnd(widths[0]!)} | ${value.padStart(widths[1]!)} | ${how} |`;
+  console.log(`| What | | |\n|---|--:|---|\n${rows.map(line).join("\n")}`);
 });

@@ -88,7 +88,8 @@ test("a falloff spreads the tension, and expressions select", async ({ studio })
   await studio.section("tension");
   await studio.slide("falloff", 0, 0.2);
   await studio.slide("tension", 0.02, 0.9);
-  const spread = await studio.until("it spreads", () => studio.settled(), (now) => now.mesh!.design.tensions.length > 0);
+  const isSpread = (now: Awaited<ReturnType<typeof studio.state>>) => now.mesh!.design.tensions.length > 0;
+  const spread = await studio.until("it spreads", () => studio.settled(), isSpread);
   const { tensions } = spread.mesh!.design;
   expect(tensions.length).toBeGreaterThan(chosen.length);
   const most = Math.max(...tensions.map(([, value]) => value));
