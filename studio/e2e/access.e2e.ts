@@ -46,5 +46,6 @@ test("the page follows the look of the system", async ({ open }) => {
   const studio = await open({ dark: true });
   expect(await studio.page.evaluate("document.documentElement.dataset.theme")).toBe("dark");
   await studio.page.emulateMedia({ colorScheme: "light" });
-  await studio.until("it is light", () => studio.page.evaluate("document.documentElement.dataset.theme"), (t) => t === "light");
+  const look = () => studio.page.evaluate("document.documentElement.dataset.theme");
+  await studio.until("it is light", look, (name) => name === "light");
 });

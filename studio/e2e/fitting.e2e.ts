@@ -48,8 +48,11 @@ test("each scheme makes another surface, which passes through the vertices", asy
 
 test("only schemes for what the mesh has are on offer", async ({ studio }) => {
   await studio.openSample("spot-quads.obj");
-  const names = await studio.control("scheme").locator("option").allInnerTexts();
-  expect(names).toEqual(["Catmull–Clark", "Doo–Sabin", "Kobbelt"]);
+  const names = () => studio.control("scheme").locator("option").allInnerTexts();
+  // It has triangles and pentagons, too.
+  expect(await names()).toEqual(["Catmull–Clark", "Doo–Sabin"]);
+  await studio.openSample("torus.obj");
+  expect(await names()).toEqual(["Catmull–Clark", "Doo–Sabin", "Kobbelt"]);
 });
 
 test("levels refine the surface", async ({ studio }) => {
@@ -86,7 +89,8 @@ test("the error is plotted, and the replay walks along it", async ({ studio }) =
   expect(updates).toBe(fit!.history.at(-1)!.iteration);
   const plot = studio.control("plot");
   expect(await plot.getAttribute("aria-label")).toContain(`over ${updates} updates`);
-  expect(await plot.locator("path.max").getAttribute("d")).toMatch(new RegExp(`^M([^L]*L){${fit!.history.length - 1}}[^L]*$`));
+  const line = (await plot.locator("path.max").getAttribute("d"))!;
+  expect(line.match(/[ML]/g)!.length).toBe(fit!.history.length);
 
   await studio.slide("replay", 1, 0);
   const begin = await studio.settled();
@@ -111,34 +115,35 @@ test("the error is plotted, and the replay walks along it", async ({ studio }) =
 
 test("a long fit does not hold up the page, and can be stopped", async ({ studio }) => {
   const path = join(studio.folder, "fine.ply");
-  fairform(["refine", data("sample/spot.obj"), "-o", path, "--levels", "5", "--quiet"]);
+  fairform(["refine", data("sample/spot.obj"), "-o", path, "--levels", "4", "--quiet"]);
   await studio.openFile(path);
-  // The looser the faces, the more updates it takes.
+  // The looser the faces, the more updates it takes; and to make it fair takes longer than all of them.
   await studio.control("scheme").selectOption("doo-sabin");
   await studio.control("method").selectOption("plain");
   await studio.type("iterations", "1000000");
   await studio.type("tolerance-number", "1e-14");
-  const before = await studio.settled();
-  expect(before.fit?.converged).toBe(true);
   await studio.section("tension");
   await studio.type("tension-number", "0.01");
+  const before = await studio.settled();
+  expect(before.fit?.converged).toBe(true);
+  await studio.control("fair").check({ force: true });
   await studio.control("cancel").waitFor();
 
-  // Meanwhile the view turns, and dialogs open.
-  const { camera } = await studio.state();
-  await studio.drag({ x: 300, y: 200 }, { x: 420, y: 260 });
-  expect((await studio.state()).camera).not.toEqual(camera);
+  // Meanwhile clocks tick, dialogs open, and the view turns.
+  const ticks = await studio.page.evaluate<number>(`new Promise((done) => {
+    let count = 0;
+    const timer = setInterval(() => (count += 1), 10);
+    setTimeout(() => { clearInterval(timer); done(count); }, 200);
+  })`);
+  expect(ticks).toBeGreaterThan(3);
   await studio.control("help").click();
   await studio.control("help-dialog").waitFor();
   await studio.page.keyboard.press("Escape");
   await studio.control("help-dialog").waitFor({ state: "detached" });
-  const ticks = await studio.page.evaluate<number>(`new Promise((done) => {
-    let count = 0;
-    const timer = setInterval(() => (count += 1), 10);
-    setTimeout(() => { clearInterval(timer); done(count); }, 1000);
-  })`);
-  expect(ticks).toBeGreaterThan(20);
+  const { camera } = await studio.state();
+  await studio.page.keyboard.press("ArrowLeft");
   const during = await studio.state();
+  expect(during.camera).not.toEqual(camera);
   expect(during.stage).toBe("fit");
   expect(await studio.text("progress")).toMatch(/update \d+: \d/);
 
@@ -148,7 +153,7 @@ test("a long fit does not hold up the page, and can be stopped", async ({ studio
   expect(after.trouble).toBeNull();
   expect(after.surface).toEqual(before.surface);
   // It goes on from there.
-  await studio.type("tension-number", "0.5");
+  await studio.control("edit.undo").click();
   const again = await studio.settled();
   expect(again.fit?.converged).toBe(true);
   expect(again.fingerprint).toBe(before.fingerprint);

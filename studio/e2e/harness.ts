@@ -298,22 +298,26 @@ export class Studio {
 
   // -------------------------------------------------------------- judging
 
-  /** Compares the page with a picture of before; with `FAIRFORM_PICTURES=new` makes a new one. */
+  /**
+   * Compares the page with a picture of before, both at half the size; with `FAIRFORM_PICTURES=new` makes a new
+   * one. `share` of its pixels may differ: numbers of milliseconds do, and edges on other machines.
+   */
   async looksLike(name: string, share = 0.02): Promise<void> {
     const kept = fileURLToPath(new URL(`pictures/${name}.png`, import.meta.url));
     await this.frame();
     const shot = await this.page.screenshot({ caret: "hide" });
+    const now = half(PNG.sync.read(shot));
     if (process.env.FAIRFORM_PICTURES === "new" || !existsSync(kept)) {
       mkdirSync(fileURLToPath(new URL("pictures", import.meta.url)), { recursive: true });
-      writeFileSync(kept, shot);
+      writeFileSync(kept, PNG.sync.write(now, { colorType: 2, deflateLevel: 9 }));
       if (process.env.FAIRFORM_PICTURES !== "new") throw new Error(`${name}.png is new: look at it`);
       return;
     }
-    const [now, before] = [PNG.sync.read(shot), PNG.sync.read(readFileSync(kept))];
+    const before = PNG.sync.read(readFileSync(kept));
     const { width, height } = before;
     if (now.width !== width || now.height !== height) throw new Error(`${name}.png has another size`);
     const difference = new PNG({ width, height });
-    const count = pixelmatch(now.data, before.data, difference.data, width, height, { threshold: 0.2 });
+    const count = pixelmatch(now.data, before.data, difference.data, width, height, { threshold: 0.15 });
     if (count > share * width * height) {
       writeFileSync(scratch(`${name}.png`), shot);
       writeFileSync(scratch(`${name}.difference.png`), PNG.sync.write(difference));
@@ -347,6 +351,19 @@ export class Studio {
     this.#server?.kill();
     rmSync(this.folder, { recursive: true, force: true });
   }
+}
+
+/** A picture at half its size. */
+function half(picture: PNG): PNG {
+  const { width, height, data } = picture;
+  const small = new PNG({ width: width >> 1, height: height >> 1 });
+  small.data.forEach((_, i) => {
+    const [channel, pixel] = [i % 4, i >> 2];
+    const [x, y] = [2 * (pixel % small.width), 2 * Math.floor(pixel / small.width)];
+    const at = (dx: number, dy: number) => data[4 * ((y + dy) * width + x + dx) + channel]!;
+    small.data[i] = (at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1) + 2) >> 2;
+  });
+  return small;
 }
 
 /** A file in target/studio, for who looks why a test failed. */

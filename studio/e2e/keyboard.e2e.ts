@@ -85,10 +85,11 @@ test("? lists all commands, finds and runs them", async ({ studio }) => {
   const seen = new Set<string>();
   for (let i = 0; i < 12; i += 1) {
     await keyboard.press("Tab");
-    seen.add(await studio.page.evaluate(`document.activeElement.closest("dialog") ? "dialog" : document.activeElement.tagName`));
+    const where = `(document.activeElement.closest("dialog") ?? document.activeElement).tagName`;
+    seen.add(await studio.page.evaluate(where));
   }
   seen.delete("BODY");
-  expect([...seen]).toEqual(["dialog"]);
+  expect([...seen]).toEqual(["DIALOG"]);
   await keyboard.press("Escape");
   await studio.control("help-dialog").waitFor({ state: "detached" });
 });

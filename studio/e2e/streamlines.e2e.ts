@@ -163,7 +163,9 @@ test("a reload brings the model back, and the surface goes to the other workspac
 
   await studio.section("save");
   await studio.control("file.to-mesh").click();
-  await studio.until("it is a mesh", () => studio.state(), (now) => now.workspace === "interpolation" && now.fit !== null);
+  const isMesh = async () => (await studio.state()).workspace === "interpolation";
+  await studio.until("it is a mesh", isMesh, (is) => is);
+  await studio.until("it is fitted", () => studio.settled(), (now) => now.fit !== null);
   const { info, fit } = await studio.settled();
   const { rowCount, columnCount } = before.surfaces[0]!;
   expect(info!.vertexCount).toBe(rowCount * columnCount);

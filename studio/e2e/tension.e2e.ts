@@ -29,7 +29,9 @@ test("a brush paints a selection, and a slider tightens the surface there", asyn
   await studio.control("legend").waitFor();
   expect(await studio.text("legend-label")).toBe("Shape parameter λ");
   expect(await studio.number("legend-low")).toBeCloseTo(0.5, 1);
-  expect(await studio.number("legend-high")).toBeCloseTo(tensions[0]![1], 1);
+  // Most of what there is: the few tightest points may be beyond.
+  expect(await studio.number("legend-high")).toBeGreaterThan(0.6);
+  expect(await studio.number("legend-high")).toBeLessThan(tensions[0]![1] + 0.01);
 
   // The whole slide is one step.
   await studio.control("edit.undo").click();
@@ -86,7 +88,8 @@ test("a falloff spreads the tension, and expressions select", async ({ studio })
   await studio.section("tension");
   await studio.slide("falloff", 0, 0.2);
   await studio.slide("tension", 0.02, 0.9);
-  const spread = await studio.until("it spreads", () => studio.settled(), (now) => now.mesh!.design.tensions.length > 0);
+  const isSpread = (now: Awaited<ReturnType<typeof studio.state>>) => now.mesh!.design.tensions.length > 0;
+  const spread = await studio.until("it spreads", () => studio.settled(), isSpread);
   const { tensions } = spread.mesh!.design;
   expect(tensions.length).toBeGreaterThan(chosen.length);
   const most = Math.max(...tensions.map(([, value]) => value));

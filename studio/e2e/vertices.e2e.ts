@@ -9,7 +9,7 @@ interface Drawn {
   surface: number[];
 }
 
-/** Selects a vertex in the middle of the picture and drags it by its handle; where it is let go, and what was drawn meanwhile. */
+/** Drags a vertex in the middle of the picture by its handle; where it is let go, and what was drawn meanwhile. */
 async function dragOne(studio: Studio, by = { x: -70, y: 46 }) {
   await studio.control("tool.vertices").click();
   const v = await studio.vertexNear({ x: 520, y: 440 });

@@ -1,9 +1,9 @@
 import { defineConfig } from "vitest/config";
 
 // One browser, one test at a time: pictures are drawn in software here.
-export default defineConfig({
+export default defineConfig(({ mode }) => ({
   test: {
-    include: ["e2e/**/*.e2e.ts"],
+    include: [mode === "bench" ? "e2e/bench.ts" : "e2e/**/*.e2e.ts"],
     root: new URL("..", import.meta.url).pathname,
     environment: "node",
     testTimeout: 240_000,
@@ -11,4 +11,4 @@ export default defineConfig({
     fileParallelism: false,
     reporters: ["verbose"],
   },
-});
+}));

@@ -5,7 +5,7 @@ import type { Session } from "./interpolation/session";
 import { list, run } from "./actions";
 import { message, status } from "./announce";
 import { fingerprint } from "./fingerprint";
-import { MEASURES, summary } from "./perf";
+import { MEASURES, summary, type Measure } from "./perf";
 import { settings } from "./state/settings";
 import { streamHooks, type StreamHooks } from "./stream/testing";
 import type { StreamSession } from "./stream/session";
@@ -60,6 +60,8 @@ export function offerTestHooks(studio: Studio, session: Session, stream: StreamS
   };
 }
 
+type Times = Record<Measure, ReturnType<typeof summary>>;
+
 export type Snapshot = ReturnType<typeof snapshot>;
 
 function snapshot(studio: Studio, session: Session) {
@@ -99,6 +101,6 @@ function snapshot(studio: Studio, session: Session) {
     undo: studio.history.undoLabel,
     redo: studio.history.redoLabel,
     status: status.peek(),
-    milliseconds: Object.fromEntries(MEASURES.map((what) => [what, summary(what)])),
+    milliseconds: Object.fromEntries(MEASURES.map((what) => [what, summary(what)])) as Times,
   };
 }

@@ -1,6 +1,6 @@
 // The interpolation workspace: a mesh, and the surface through its vertices.
 
-import { signal, useSignalEffect } from "@preact/signals";
+import { effect, signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { tell } from "../announce";
 import { problemOf } from "../kernel/problem";
@@ -14,6 +14,7 @@ import { Progress } from "./panels/Progress";
 import { Rail } from "./panels/Rail";
 import { MeshScene } from "./scene";
 import { Session } from "./session";
+import type { Insets } from "../scene/viewport";
 
 export function createInterpolation(studio: Studio): { workspace: Workspace; session: Session } {
   const session = new Session(studio);
@@ -36,12 +37,20 @@ export function createInterpolation(studio: Studio): { workspace: Workspace; ses
 const pageWidth = signal(globalThis.innerWidth ?? 1200);
 globalThis.addEventListener?.("resize", () => void (pageWidth.value = innerWidth));
 
+/** What the panels cover of a view of the given height. */
+function insetsOf(session: Session, height: number): Insets {
+  if (pageWidth.value <= 820) return { left: 56, right: 8, top: 8, bottom: 16 + 0.4 * (height || 600) };
+  const hasOther = session.mesh.value?.compare != null;
+  const bottom = session.studio.welcome.value ? 160 : 8;
+  return { left: hasOther ? 28 : 56, right: hasOther ? 0 : 316, top: 8, bottom };
+}
+
 function View({ session }: { session: Session }) {
   const left = useRef<HTMLDivElement>(null);
   const right = useRef<HTMLDivElement>(null);
   useEffect(() => {
     try {
-      const scene = new MeshScene(left.current!, session);
+      const scene = new MeshScene(left.current!, session, insetsOf(session, left.current!.clientHeight));
       return () => scene.dispose();
     } catch (error) {
       const help = "Use a browser with WebGL 2, and allow it to use the graphics card.";
@@ -56,16 +65,15 @@ function View({ session }: { session: Session }) {
     scene.setOther(compares ? right.current : null);
     return () => scene.setOther(null);
   }, [session, compares]);
-  useSignalEffect(() => {
-    const scene = session.scene.value;
-    if (!scene) return;
-    const wide = pageWidth.value > 820;
-    const hasOther = session.mesh.value?.compare != null;
-    const low = session.studio.welcome.value ? 128 : 8;
-    scene.insets = wide
-      ? { left: hasOther ? 28 : 56, right: hasOther ? 0 : 316, top: 8, bottom: low }
-      : { left: 56, right: 8, top: 8, bottom: 16 + 0.4 * (scene.viewport.canvas.clientHeight || 600) };
-  });
+  // At once, not after the next picture as with a hook for signals: whoever fits the view next counts on it.
+  useEffect(
+    () =>
+      effect(() => {
+        const scene = session.scene.value;
+        if (scene) scene.insets = insetsOf(session, scene.viewport.canvas.clientHeight);
+      }),
+    [session],
+  );
   const { main } = session;
   return (
     <main class={`stage ${compares ? "compares" : ""}`} data-testid="interpolation">

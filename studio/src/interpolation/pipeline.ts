@@ -18,7 +18,7 @@ import type {
   Values,
 } from "../kernel/api";
 import { problemOf } from "../kernel/problem";
-import { timed } from "../perf";
+import { record, timed } from "../perf";
 import type { Source } from "../state/document";
 
 export interface Wish {
@@ -168,8 +168,10 @@ export class Pipeline {
     }
   }
 
-  drag(offset: Triple): Promise<DragAnswer> {
-    return timed("drag", this.#kernel.drag(offset));
+  async drag(offset: Triple): Promise<DragAnswer> {
+    const answer = await timed("drag", this.#kernel.drag(offset));
+    record("kernel", answer.milliseconds);
+    return answer;
   }
 
   /**

@@ -79,7 +79,7 @@ export class MeshScene {
   readonly #session: Session;
   readonly #main: Stage;
   #other: Stage | null = null;
-  #insets: Insets = { left: 0, right: 0, top: 0, bottom: 0 };
+  #insets: Insets;
   readonly #picker: Picker;
   readonly #gestures: Gestures;
   readonly #gizmo: TransformControls;
@@ -88,10 +88,12 @@ export class MeshScene {
   readonly #grabbed = new THREE.Vector3();
   readonly #stop: (() => void)[] = [];
 
-  constructor(host: HTMLElement, session: Session) {
+  constructor(host: HTMLElement, session: Session, insets: Insets) {
     this.#session = session;
+    this.#insets = insets;
     this.#main = new Stage(host, "The mesh and its surface", session, session.main, "a");
     const { viewport, view } = this.#main;
+    viewport.insets = insets;
     this.#picker = new Picker(viewport, view);
     viewport.onCamera = () => void (session.studio.cameraMoved.value = session.studio.cameraMoved.peek() + 1);
     viewport.onDraw = () => void (session.turns.value = viewport.axes());

@@ -91,6 +91,8 @@ interface SliderProps {
 /** A slider, and a field for the number itself. */
 export function Slider(props: SliderProps) {
   const id = useId();
+  // What is being typed stays, though answers of the kernel draw the panel anew.
+  const [draft, setDraft] = useState<string | null>(null);
   const format = props.format ?? String;
   const isLog = props.scale === "log";
   const set = (text: string, fromSlider = false) => {
@@ -120,10 +122,13 @@ export function Slider(props: SliderProps) {
           type="text"
           inputMode="decimal"
           aria-label={`${props.label}, number`}
-          value={format(props.value)}
+          value={draft ?? format(props.value)}
           disabled={props.disabled}
           data-testid={`${props.testid}-number`}
+          onInput={(e) => setDraft(e.currentTarget.value)}
+          onBlur={() => setDraft(null)}
           onChange={(e) => {
+            setDraft(null);
             set(e.currentTarget.value);
             e.currentTarget.value = format(props.value);
             props.onEnd?.();
@@ -238,6 +243,7 @@ export function NumberField(props: {
   const id = useId();
   const format = props.format ?? ((x) => String(+x.toPrecision(6)));
   const [wrong, setWrong] = useState(false);
+  const [draft, setDraft] = useState<string | null>(null);
   return (
     <div class="field row">
       <label for={id} class={props.hideLabel ? "unseen" : undefined}>
@@ -248,10 +254,14 @@ export function NumberField(props: {
         class="number"
         type="text"
         inputMode="decimal"
-        value={format(props.value)}
+        value={draft ?? format(props.value)}
         disabled={props.disabled}
         aria-invalid={wrong}
         data-testid={props.testid}
+        onInput={(e) => setDraft(e.currentTarget.value)}
+        onBlur={() => {
+          if (!wrong) setDraft(null);
+        }}
         onChange={(e) => {
           const text = e.currentTarget.value.trim().replace(",", ".");
           const value = Number(text);
@@ -261,6 +271,7 @@ export function NumberField(props: {
             value >= (props.min ?? -Infinity) &&
             value <= (props.max ?? Infinity);
           setWrong(!isGood);
+          if (isGood) setDraft(null);
           if (isGood && text !== format(props.value)) props.onCommit(value);
         }}
       />

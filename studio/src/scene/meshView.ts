@@ -326,7 +326,8 @@ export class MeshView {
     }
     if (given && this.#givenSkin) {
       const positions = given.positions.slice();
-      for (const [v, x, y, z] of moves) positions.set([x, y, z], 3 * v);
+      // While another file opens, the moves are still those of the one before.
+      for (const [v, x, y, z] of moves) if (3 * v < positions.length) positions.set([x, y, z], 3 * v);
       this.#givenSkin.move(null, positions, null);
     }
     this.#update();

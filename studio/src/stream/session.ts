@@ -20,7 +20,7 @@ import type {
   Values,
 } from "../kernel/api";
 import { problemOf } from "../kernel/problem";
-import { timed } from "../perf";
+import { record, timed } from "../perf";
 import type { Document, Source } from "../state/document";
 import type { Camera } from "../state/project";
 import { change, settings } from "../state/settings";
@@ -644,6 +644,7 @@ export class StreamSession {
       return;
     }
     const geometry = await timed("drag", this.kernel.setTangent(patch, place.row, place.column, tangent));
+    record("kernel", geometry.milliseconds);
     const geometries = this.geometries.peek().map((old, i) => (i === patch ? geometry : old));
     // Patches that are stitched to it move with it.
     for (const i of geometry.others ?? []) geometries[i] = await this.kernel.patch(i);
