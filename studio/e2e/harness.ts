@@ -302,7 +302,7 @@ export class Studio {
    * Compares the page with a picture of before, both at half the size; with `FAIRFORM_PICTURES=new` makes a new
    * one. `share` of its pixels may differ: numbers of milliseconds do, and edges on other machines.
    */
-  async looksLike(name: string, share = 0.02): Promise<void> {
+  async looksLike(name: string, share = 0.05): Promise<void> {
     const kept = fileURLToPath(new URL(`pictures/${name}.png`, import.meta.url));
     await this.frame();
     const shot = await this.page.screenshot({ caret: "hide" });
