@@ -10,6 +10,8 @@ rm -rf "$dest.new"
 mkdir -p "$dest.new/debs"
 dest_new=$(cd "$dest.new" && pwd)
 cd "$dest_new/debs"
+# A machine that is new has no lists of packages yet.
+apt-cache show rustc-web >/dev/null 2>&1 || apt-get update -q
 dep() { apt-cache depends "$1" | sed -n "s/.*Depends: \($2\)\$/\1/p" | head -1; }
 std=$(dep libstd-rust-web-dev 'libstd-rust-web-[0-9.]*')
 llvm=$(dep "$std" 'libllvm[0-9]*')

@@ -83,7 +83,9 @@ fn browser() -> Result<PathBuf> {
     // With what it recommends: a page without fonts looks like none that people see.
     install.args(["install", "--yes", "--quiet", "chromium"]);
     install.env("DEBIAN_FRONTEND", "noninteractive");
-    if succeeds(Command::new("apt-get").arg("--version")) {
+    if succeeds(Command::new("apt-get").arg("--version")) && step("Chromium", &mut install).is_err()
+    {
+        // A machine that is new has no lists of packages yet.
         step("lists of packages", Command::new("apt-get").args(["update", "--quiet"]))?;
         step("Chromium", &mut install)?;
     }
