@@ -159,13 +159,17 @@ export class Studio {
 
   async saveProject(): Promise<void> {
     const project = toProject(this.document, current.value, this.workspace.camera(), settings.value);
+    const name = stem(this.title || "design") + PROJECT_SUFFIX;
+    await this.give("The project cannot be saved", name, () => this.kernel.writeProject(project));
+  }
+
+  /** Makes a file and gives it to the person, or says what went wrong. */
+  async give(trouble: string, name: string, make: () => Promise<Uint8Array | Blob>): Promise<void> {
     try {
-      const bytes = await this.kernel.writeProject(project);
-      const name = stem(this.title || "design") + PROJECT_SUFFIX;
-      giveFile(name, bytes);
+      giveFile(name, await make());
       announce(`${name} is saved`);
     } catch (error) {
-      this.explain("The project cannot be saved", error);
+      this.explain(trouble, error);
     }
   }
 

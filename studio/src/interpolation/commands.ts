@@ -3,8 +3,10 @@
 import type { Action } from "../actions";
 import { announce } from "../announce";
 import type { Colouring, MeshFormat } from "../kernel/api";
-import type { Preset } from "../scene/viewport";
-import { change, settings, show, type Shading, type Shown } from "../state/settings";
+import {
+  colourCommands, presetCommands, shadingCommand, showCommands, turnCommands, upCommand,
+} from "../scene/commands";
+import { settings, show, type Shown } from "../state/settings";
 import type { Gesture, Session, Target } from "./session";
 
 export const SHOWN: readonly (readonly [keyof Shown, string, string])[] = [
@@ -37,25 +39,6 @@ export function commands(session: Session): Action[] {
   const hasEdges = () => (session.mesh.value?.edges.length ?? 0) > 0;
   const scene = () => session.scene.peek();
 
-  const view = (preset: Preset, key: string): Action => ({
-    name: `view.${preset}`,
-    label: `View: ${preset}`,
-    keys: [key],
-    run: () => scene()?.show(preset),
-  });
-  const turn = (name: string, label: string, key: string, right: number, up: number): Action => ({
-    name: `view.${name}`,
-    label,
-    keys: [key],
-    run: () => scene()?.viewport.turn(right, up),
-  });
-  const shading = (name: Shading, label: string, key: string): Action => ({
-    name: `show.${name}`,
-    label,
-    keys: [key],
-    run: () => change({ shading: name }),
-    on: () => settings.value.shading === name,
-  });
   const target = (name: Target, key: string): Action => ({
     name: `tool.${name}`,
     label: `Select ${name}`,
@@ -84,60 +67,20 @@ export function commands(session: Session): Action[] {
   });
 
   return [
-    view("front", "Shift+F"),
-    view("back", "Shift+B"),
-    view("left", "Shift+L"),
-    view("right", "Shift+R"),
-    view("top", "Shift+T"),
-    view("bottom", "Shift+U"),
-    view("iso", "Home"),
-    { name: "view.fit", label: "View: everything", keys: ["."], run: () => scene()?.show() },
-    {
-      name: "view.z-up",
-      label: "z is up",
-      keys: ["Y"],
-      run: () => change({ up: settings.value.up === "z" ? "y" : "z" }),
-      on: () => settings.value.up === "z",
-    },
-    turn("turn-left", "Turn the view left", "ArrowLeft", -10, 0),
-    turn("turn-right", "Turn the view right", "ArrowRight", 10, 0),
-    turn("turn-up", "Turn the view up", "ArrowUp", 0, 10),
-    turn("turn-down", "Turn the view down", "ArrowDown", 0, -10),
-    { name: "view.nearer", label: "Nearer", keys: ["+", "="], run: () => scene()?.viewport.zoom(1.15) },
-    { name: "view.farther", label: "Farther", keys: ["-"], run: () => scene()?.viewport.zoom(1 / 1.15) },
+    ...presetCommands(scene),
+    upCommand("z is up"),
+    ...turnCommands(scene, ""),
 
-    shading("shaded", "Shaded", "S"),
-    shading("wire", "Wire frame", "W"),
-    shading("zebra", "Zebra stripes", "Z"),
-    shading("reflection", "Reflection lines", "R"),
-    ...SHOWN.map(
-      ([name, label, key]): Action => ({
-        name: `show.${name}`,
-        label: `Show: ${label.toLowerCase()}`,
-        keys: [key],
-        run: () => show({ [name]: !settings.value.shown[name] }),
-        on: () => settings.value.shown[name],
-      }),
+    shadingCommand("shaded", "Shaded", "S"),
+    shadingCommand("wire", "Wire frame", "W"),
+    shadingCommand("zebra", "Zebra stripes", "Z"),
+    shadingCommand("reflection", "Reflection lines", "R"),
+    ...showCommands(
+      SHOWN,
+      (name) => settings.value.shown[name],
+      (name, on) => show({ [name]: on }),
     ),
-    ...[["none", "No colours"] as const, ...COLOURINGS].map(
-      ([name, label]): Action => ({
-        name: `colour.${name}`,
-        label: name === "none" ? label : `Colours: ${label.toLowerCase()}`,
-        run: () => change({ colouring: name === "none" ? null : name }),
-        on: () => (settings.value.colouring ?? "none") === name,
-        ...(name === "tension" ? { keys: ["T"] } : name === "none" ? { keys: ["0"] } : {}),
-      }),
-    ),
-    {
-      name: "colour.next",
-      label: "Next colours",
-      keys: ["C"],
-      run: () => {
-        const names = [null, ...COLOURINGS.map(([name]) => name)];
-        const at = names.indexOf(settings.value.colouring);
-        change({ colouring: names[(at + 1) % names.length] ?? null });
-      },
-    },
+    ...colourCommands(COLOURINGS, () => settings.value.colouring, { none: "0", tension: "T" }),
 
     target("faces", "F"),
     target("vertices", "V"),

@@ -2,7 +2,7 @@
 
 import { batch, computed, effect, signal } from "@preact/signals";
 import { announce, message } from "../announce";
-import { giveFile, stem } from "../files";
+import { stem } from "../files";
 import type { Design, DragAnswer, FaceQuery, Fineness, MeshFormat, Repair, Scheme, Triple } from "../kernel/api";
 import { problemOf } from "../kernel/problem";
 import {
@@ -181,28 +181,17 @@ export class Session {
   async save(what: "surface" | "control" | "given", format: MeshFormat): Promise<void> {
     const mesh = this.mesh.peek();
     if (!mesh) return;
-    try {
+    await this.studio.give("The file cannot be saved", `${stem(mesh.source.name)}-${what}.${format}`, async () => {
       await this.main.idle();
-      const bytes = await this.studio.kernel.save(what, format);
-      const name = `${stem(mesh.source.name)}-${what}.${format}`;
-      giveFile(name, bytes);
-      announce(`${name} is saved`);
-    } catch (error) {
-      this.studio.explain("The file cannot be saved", error);
-    }
+      return this.studio.kernel.save(what, format);
+    });
   }
 
   async savePicture(): Promise<void> {
     const scene = this.scene.peek();
     const mesh = this.mesh.peek();
     if (!scene || !mesh) return;
-    try {
-      const name = `${stem(mesh.source.name)}.png`;
-      giveFile(name, await scene.picture());
-      announce(`${name} is saved`);
-    } catch (error) {
-      this.studio.explain("The picture cannot be saved", error);
-    }
+    await this.studio.give("The picture cannot be saved", `${stem(mesh.source.name)}.png`, () => scene.picture());
   }
 
   // -------------------------------------------------------------- changes

@@ -2,8 +2,10 @@
 
 import type { Action } from "../actions";
 import type { Colouring, MeshFormat, Triple } from "../kernel/api";
-import type { Preset } from "../scene/viewport";
-import { change, settings, showStream, type Shading } from "../state/settings";
+import {
+  colourCommands, presetCommands, shadingCommand, showCommands, turnCommands, upCommand,
+} from "../scene/commands";
+import { settings, showStream } from "../state/settings";
 import type { StreamSession } from "./session";
 import type { StreamShown } from "./shown";
 
@@ -36,25 +38,6 @@ export function commands(session: StreamSession): Action[] {
   const has = () => session.current.value !== null;
   const scene = () => session.scene.peek();
 
-  const view = (preset: Preset, key: string): Action => ({
-    name: `view.${preset}`,
-    label: `View: ${preset}`,
-    keys: [key],
-    run: () => scene()?.show(preset),
-  });
-  const look = (name: string, label: string, key: string, right: number, up: number): Action => ({
-    name: `view.${name}`,
-    label,
-    keys: [key],
-    run: () => scene()?.viewport.turn(right, up),
-  });
-  const shading = (name: Shading, label: string, key: string): Action => ({
-    name: `show.${name}`,
-    label,
-    keys: [key],
-    run: () => change({ shading: name }),
-    on: () => settings.value.shading === name,
-  });
   const step = (name: string, label: string, key: string, rows: number, columns: number): Action => ({
     name: `tangent.${name}`,
     label,
@@ -99,59 +82,19 @@ export function commands(session: StreamSession): Action[] {
   });
 
   return [
-    view("front", "Shift+F"),
-    view("back", "Shift+B"),
-    view("left", "Shift+L"),
-    view("right", "Shift+R"),
-    view("top", "Shift+T"),
-    view("bottom", "Shift+U"),
-    view("iso", "Home"),
-    { name: "view.fit", label: "View: everything", keys: ["."], run: () => scene()?.show() },
-    look("turn-left", "Turn the view left", "Shift+ArrowLeft", -10, 0),
-    look("turn-right", "Turn the view right", "Shift+ArrowRight", 10, 0),
-    look("turn-up", "Turn the view up", "Shift+ArrowUp", 0, 10),
-    look("turn-down", "Turn the view down", "Shift+ArrowDown", 0, -10),
-    { name: "view.nearer", label: "Nearer", keys: ["+", "="], run: () => scene()?.viewport.zoom(1.15) },
-    { name: "view.farther", label: "Farther", keys: ["-"], run: () => scene()?.viewport.zoom(1 / 1.15) },
+    ...presetCommands(scene),
+    ...turnCommands(scene, "Shift+"),
+    upCommand("The z axis points up"),
 
-    {
-      name: "view.z-up",
-      label: "The z axis points up",
-      keys: ["Y"],
-      run: () => change({ up: settings.value.up === "z" ? "y" : "z" }),
-      on: () => settings.value.up === "z",
-    },
-
-    shading("shaded", "Shaded", "S"),
-    shading("zebra", "Zebra stripes", "Z"),
-    shading("reflection", "Reflection lines", "R"),
-    ...SWITCHES.map(
-      ([name, label, key]): Action => ({
-        name: `show.${name}`,
-        label: `Show: ${label.toLowerCase()}`,
-        keys: [key],
-        run: () => showStream({ [name]: !settings.value.stream[name] }),
-        on: () => settings.value.stream[name],
-      }),
+    shadingCommand("shaded", "Shaded", "S"),
+    shadingCommand("zebra", "Zebra stripes", "Z"),
+    shadingCommand("reflection", "Reflection lines", "R"),
+    ...showCommands(
+      SWITCHES,
+      (name) => settings.value.stream[name],
+      (name, on) => showStream({ [name]: on }),
     ),
-    ...[["none", "No colours"] as const, ...COLOURINGS].map(
-      ([name, label]): Action => ({
-        name: `colour.${name}`,
-        label: name === "none" ? label : `Colours: ${label.toLowerCase()}`,
-        run: () => change({ colouring: name === "none" ? null : name }),
-        on: () => (session.colouring.value ?? "none") === name,
-        ...(name === "none" ? { keys: ["0"] } : {}),
-      }),
-    ),
-    {
-      name: "colour.next",
-      label: "Next colours",
-      keys: ["C"],
-      run: () => {
-        const names = [null, ...COLOURINGS.map(([name]) => name)];
-        change({ colouring: names[(names.indexOf(session.colouring.value) + 1) % names.length] ?? null });
-      },
-    },
+    ...colourCommands(COLOURINGS, () => session.colouring.value, { none: "0" }),
 
     sphere("row", "Sphere: the streamline", "W"),
     sphere("column", "Sphere: across the streamlines", "X"),

@@ -6,7 +6,7 @@
 
 import { batch, computed, effect, signal } from "@preact/signals";
 import { announce } from "../announce";
-import { giveFile, stem } from "../files";
+import { stem } from "../files";
 import type {
   Colouring,
   Kernel,
@@ -253,13 +253,10 @@ export class StreamSession {
   }
 
   async #give(title: string, name: string, make: () => Promise<Uint8Array | Blob>): Promise<void> {
-    try {
+    await this.studio.give(title, name, async () => {
       await this.idle();
-      giveFile(name, await make());
-      announce(`${name} is saved`);
-    } catch (error) {
-      this.studio.explain(title, error);
-    }
+      return make();
+    });
   }
 
   /** Opens the joined surface as a mesh in the other workspace. */

@@ -4,11 +4,12 @@ import { useState } from "preact/hooks";
 import type { Design, Fineness, Method, Scheme } from "../../kernel/api";
 import { problemOf, sentence } from "../../kernel/problem";
 import { ActionButton, Button, Choice, NumberField, Section, Segmented, Slider, Switch } from "../../panels/controls";
+import { short } from "../../panels/Legend";
+import { Look, SaveAs } from "../../panels/Look";
 import { change, settings, show } from "../../state/settings";
 import { COLOURINGS, FORMATS, SHOWN } from "../commands";
 import { counted, TENSIONS, type Session } from "../session";
 import { Plot } from "./Plot";
-import { short } from "./Legend";
 
 const SCHEMES: readonly (readonly [Scheme, string])[] = [
   ["loop", "Loop"],
@@ -310,27 +311,18 @@ function SurfaceSection({ session, fineness }: { session: Session; fineness: Fin
 }
 
 function ShowSection() {
-  const { shown, shading, colouring, up } = settings.value;
+  const { shown, colouring, up } = settings.value;
   return (
     <Section title="Show" id="show" open>
-      <Segmented
-        label="Shading"
-        testid="shading"
-        value={shading}
-        options={[
+      <Look
+        shadings={[
           ["shaded", "Shaded"],
           ["wire", "Wire"],
           ["zebra", "Zebra"],
           ["reflection", "Lines"],
         ]}
-        onChange={(value) => change({ shading: value })}
-      />
-      <Choice
-        label="Colours"
-        testid="colouring"
-        value={colouring ?? "none"}
-        options={[["none", "None"], ...COLOURINGS]}
-        onChange={(value) => change({ colouring: value === "none" ? null : value })}
+        colourings={COLOURINGS}
+        colouring={colouring}
       />
       <div class="switches">
         {SHOWN.map(([name, label]) => (
@@ -555,19 +547,14 @@ function EdgeSection({ session, design }: { session: Session; design: Design }) 
   );
 }
 
+/** Those that have a button; OFF is among the commands. */
+const SAVED = FORMATS.filter((format) => format !== "off");
+
 function SaveSection() {
   return (
     <Section title="Save" id="save">
-      {(["surface", "control"] as const).map((what) => (
-        <div class="field row" key={what}>
-          <span>{what === "surface" ? "Surface" : "Control mesh"}</span>
-          <div class="buttons">
-            {FORMATS.filter((f) => f !== "off").map((format) => (
-              <ActionButton key={format} name={`file.${what}-${format}`} label={format.toUpperCase()} />
-            ))}
-          </div>
-        </div>
-      ))}
+      <SaveAs what="surface" label="Surface" formats={SAVED} />
+      <SaveAs what="control" label="Control mesh" formats={SAVED} />
       <div class="buttons">
         <ActionButton name="file.picture" label="Picture (PNG)" />
         <ActionButton name="file.save" label="Project" />

@@ -2,9 +2,10 @@
 
 import { useState } from "preact/hooks";
 import type { Triple } from "../../kernel/api";
-import { short } from "../../interpolation/panels/Legend";
+import { short } from "../../panels/Legend";
+import { Look, SaveAs } from "../../panels/Look";
 import { ActionButton, Button, Choice, NumberField, Section, Segmented, Slider, Switch } from "../../panels/controls";
-import { change, settings, showStream } from "../../state/settings";
+import { settings, showStream } from "../../state/settings";
 import { COLOURINGS, FORMATS, SWITCHES } from "../commands";
 import { patchesOf, stitchOf, withStitch, type Patch, type PatchScheme, type Stitch } from "../model";
 import type { StreamSession } from "../session";
@@ -395,26 +396,17 @@ function RefinementSection({ session, patch }: { session: StreamSession; patch: 
 }
 
 function ShowSection({ session }: { session: StreamSession }) {
-  const { shading, stream } = settings.value;
+  const { stream } = settings.value;
   return (
     <Section title="Show" id="show">
-      <Segmented
-        label="Shading"
-        testid="shading"
-        value={shading}
-        options={[
+      <Look
+        shadings={[
           ["shaded", "Shaded"],
           ["zebra", "Zebra"],
           ["reflection", "Lines"],
         ]}
-        onChange={(value) => change({ shading: value })}
-      />
-      <Choice
-        label="Colours"
-        testid="colouring"
-        value={session.colouring.value ?? "none"}
-        options={[["none", "None"], ...COLOURINGS]}
-        onChange={(value) => change({ colouring: value === "none" ? null : value })}
+        colourings={COLOURINGS}
+        colouring={session.colouring.value}
       />
       <Segmented
         label="On the sphere"
@@ -475,14 +467,7 @@ function ShowSection({ session }: { session: StreamSession }) {
 function SaveSection() {
   return (
     <Section title="Save" id="save">
-      <div class="field row">
-        <span>Surface</span>
-        <div class="buttons">
-          {FORMATS.map((format) => (
-            <ActionButton key={format} name={`file.surface-${format}`} label={format.toUpperCase()} />
-          ))}
-        </div>
-      </div>
+      <SaveAs what="surface" label="Surface" formats={FORMATS} />
       <div class="buttons">
         <ActionButton name="file.model" label="Model (JSON)" />
         <ActionButton name="file.picture" label="Picture (PNG)" />

@@ -1,5 +1,5 @@
 import { Button, Choice, NumberField, Section, Slider } from "../../panels/controls";
-import { short } from "../../interpolation/panels/Legend";
+import { short } from "../../panels/Legend";
 import {
   evenPart,
   lengthFunction,
