@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use fairform::interpolate::{ExactFit, Fit, Interpolator, Norm, Options};
 use fairform::refine::{self, Refined};
-use fairform::{Border, Corners, HalfedgeId, Mesh, Rules, Scheme, Vec3, limit, tessellate};
-use fairform_io::{CreaseList, InterpolateBoundary, Labels, MeshData};
+use fairform::{HalfedgeId, Mesh, Rules, Vec3, limit, tessellate};
+use fairform_io::{CreaseList, Fields, Labels, MeshData, points_of_uvs, uvs_of_points};
 
 use crate::console::{Console, Progress, count};
 use crate::failure::{Failure, in_mesh};
@@ -47,12 +47,7 @@ pub(crate) struct Surface {
     pub(crate) mesh: Mesh,
     /// How it is refined from here on.
     pub(crate) rules: Rules,
-    /// Red, green, blue.
-    colours: Option<Vec<Vec3>>,
-    /// Opacity in the first place.
-    opacity: Option<Vec<Vec3>>,
-    /// Texture coordinates in the first two places.
-    uvs: Option<Vec<Vec3>>,
+    fields: Fields,
     pub(crate) normals: Option<Vec<Vec3>>,
     /// Normals on each side of creases.
     corner_normals: Option<Vec<Vec3>>,
@@ -73,28 +68,15 @@ impl Surface {
     pub(crate) fn new(data: MeshData, source: &Source) -> Result<Self, Failure> {
         let mesh = Mesh::new(data.positions.clone(), &data.faces)
             .map_err(|e| in_mesh(source, &e, &data.positions, &data.faces))?;
-        let uv = |uvs: Vec<[f64; 2]>| -> Vec<Vec3> {
-            uvs.into_iter().map(|[u, v]| Vec3::new(u, v, 0.0)).collect()
-        };
         let finite = |values: &Vec<Vec3>| values.iter().all(|v| v.is_finite());
-        let opacity = data
-            .colours
-            .as_ref()
-            .filter(|colours| colours.iter().any(|c| c[3] != 1.0))
-            .map(|colours| colours.iter().map(|c| Vec3::new(c[3], 0.0, 0.0)).collect());
-        let colours = data
-            .colours
-            .map(|colours| colours.iter().map(|&[r, g, b, _]| Vec3::new(r, g, b)).collect());
         Ok(Self {
             mesh,
             rules: Rules::LOOP,
-            colours: colours.filter(finite),
-            opacity: opacity.filter(finite),
-            uvs: data.uvs.map(uv).filter(finite),
+            fields: Fields::of(&data),
             normals: data.normals.filter(finite),
             // They describe the surface that was given.
             corner_normals: None,
-            corner_uvs: data.corner_uvs.map(uv),
+            corner_uvs: data.corner_uvs.as_deref().map(points_of_uvs),
             groups: data.groups,
             materials: data.materials,
             material_library: data.material_library,
@@ -128,20 +110,16 @@ impl Surface {
         }
     }
 
-    fn fields(&mut self) -> impl Iterator<Item = &mut Vec<Vec3>> {
-        [&mut self.colours, &mut self.opacity, &mut self.uvs].into_iter().flatten()
-    }
-
     /// Finds the control values of colours and texture coordinates, so that these pass through the
     /// given ones as the surface does through the vertices.
     pub(crate) fn fit_fields(&mut self, options: &Options) -> Result<(), fairform::Error> {
         // Their units are not those of the positions.
         let norm = if options.norm == Norm::Absolute { Norm::Diagonal } else { options.norm };
         let options = Options { norm, ..*options };
-        if self.fields().next().is_some() {
+        if !self.fields.is_empty() {
             let (mesh, rules) = (self.mesh.clone(), self.rules.clone());
             let interpolator = Interpolator::near(mesh.topology(), &rules, mesh.positions())?;
-            for field in self.fields() {
+            for field in self.fields.iter_mut() {
                 let mut go_on = |_, _| ControlFlow::Continue(());
                 *field = interpolator.fit(field, &options, &mut go_on)?.0;
             }
@@ -160,11 +138,11 @@ impl Surface {
     ) -> Result<Self, fairform::Error> {
         let mut finer = self.refine(1, progress)?;
         let mut given = self.clone();
-        if finer.fields().next().is_some() {
+        if !finer.fields.is_empty() {
             // Prepared once for all of them.
             let (topology, positions) = (self.mesh.topology(), self.mesh.positions());
             let mut exact = ExactFit::near(topology, &self.rules, positions)?;
-            for (field, given) in finer.fields().zip(given.fields()) {
+            for (field, given) in finer.fields.iter_mut().zip(given.fields.iter_mut()) {
                 let mut go_on = |_, _| ControlFlow::Continue(());
                 *field = exact.fit(given, options, &mut go_on)?.0;
             }
@@ -228,7 +206,7 @@ impl Surface {
     }
 
     fn step(&mut self, step: Refined<'_>) {
-        for field in self.fields() {
+        for field in self.fields.iter_mut() {
             *field = step.apply(field);
         }
         if let Some(normals) = &mut self.normals {
@@ -257,7 +235,7 @@ impl Surface {
         self.limit_normals()?;
         let rules = self.rules.clone();
         let topology = Arc::clone(self.mesh.topology());
-        for field in self.fields() {
+        for field in self.fields.iter_mut() {
             *field = limit::limit_points(&topology, field, &rules)?;
         }
         let points = limit::limit_points(&topology, self.mesh.positions(), &rules)?;
@@ -286,25 +264,12 @@ impl Surface {
 
     /// The mesh as a control mesh: with the support and the creases that make its surface.
     pub(crate) fn into_control(self) -> MeshData {
-        let topology = self.mesh.topology();
-        let rules = &self.rules;
-        let said = match (rules.border, rules.corners) {
-            (Border::None, _) => Some(InterpolateBoundary::None),
-            (_, Corners::Sharp) => Some(InterpolateBoundary::EdgeAndCorner),
-            _ => self.creases.as_ref().and(Some(InterpolateBoundary::EdgeOnly)),
-        };
-        let knows_creases = matches!(rules.scheme, Scheme::Loop | Scheme::CatmullClark);
-        let creases = knows_creases.then(|| {
-            let mut list = CreaseList::of(topology, rules.creases.as_deref(), said);
-            // A face at a boundary without surface is no hole.
-            let can_show = rules.has_surface(topology);
-            let holes = topology
-                .faces()
-                .filter(|f| can_show[f.index()] && !self.is_shown(self.origin[f.index()]));
-            list.holes = holes.map(|f| f.0).collect();
-            list
-        });
-        let creases = creases.filter(|list| !list.is_empty() || list.boundary.is_some());
+        let creases = CreaseList::of_control(
+            self.mesh.topology(),
+            &self.rules,
+            self.creases.is_some(),
+            |f| self.is_shown(self.origin[f.index()]),
+        );
         MeshData { creases, ..self.into_data() }
     }
 
@@ -331,34 +296,20 @@ impl Surface {
 
     /// What a file can hold.
     fn into_data(self) -> MeshData {
-        let uv = |uvs: Vec<Vec3>| uvs.into_iter().map(|v| [v.x, v.y]).collect();
-        let opacity = self.opacity;
-        let colours = self.colours.map(|colours| colours_of(&colours, opacity.as_deref()));
-        MeshData {
+        let mut data = MeshData {
             faces: self.mesh.topology().to_faces(),
             positions: self.mesh.into_positions(),
             normals: self.normals,
             corner_normals: self.corner_normals,
-            colours,
-            uvs: self.uvs.map(uv),
-            corner_uvs: self.corner_uvs.map(uv),
+            corner_uvs: self.corner_uvs.as_deref().map(uvs_of_points),
             groups: self.groups,
             materials: self.materials,
             material_library: self.material_library,
-            creases: None,
-            notes: Vec::new(),
-        }
+            ..MeshData::default()
+        };
+        self.fields.put(&mut data);
+        data
     }
-}
-
-/// What a file can hold of colours.
-fn colours_of(colours: &[Vec3], opacity: Option<&[Vec3]>) -> Vec<[f64; 4]> {
-    let channel = |x: f64| x.clamp(0.0, 1.0);
-    let with_opacity = |(i, c): (usize, &Vec3)| {
-        let a = opacity.map_or(1.0, |o| channel(o[i].x));
-        [channel(c.x), channel(c.y), channel(c.z), a]
-    };
-    colours.iter().enumerate().map(with_opacity).collect()
 }
 
 /// Refuses what would not fit into memory, before it is begun.

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use fairform::topology::Topology;
-use fairform::{Creases, EdgeId, NONE, VertexId};
+use fairform::{Border, Corners, Creases, EdgeId, FaceId, NONE, Rules, Scheme, VertexId};
 use serde::Deserialize;
 
 use crate::error::{ParseError, Place};
@@ -165,6 +165,33 @@ impl CreaseList {
         let sharp = topology.vertices().filter(|&v| creases.vertex(v) > 0.0);
         list.vertices = sharp.map(|v| (v.0, creases.vertex(v))).collect();
         list
+    }
+
+    /// What makes the surface of a control mesh: sharpness, the boundary, and as holes the faces for which
+    /// there could be a surface but is not shown. `None` if it makes none, or the scheme knows no creases.
+    ///
+    /// `is_tagged` says whether the choice about the boundary was made by tags, and so is worth telling.
+    #[must_use]
+    pub fn of_control(
+        topology: &Topology,
+        rules: &Rules,
+        is_tagged: bool,
+        is_shown: impl Fn(FaceId) -> bool,
+    ) -> Option<Self> {
+        if !matches!(rules.scheme, Scheme::Loop | Scheme::CatmullClark) {
+            return None;
+        }
+        let said = match (rules.border, rules.corners) {
+            (Border::None, _) => Some(InterpolateBoundary::None),
+            (_, Corners::Sharp) => Some(InterpolateBoundary::EdgeAndCorner),
+            _ => is_tagged.then_some(InterpolateBoundary::EdgeOnly),
+        };
+        let mut list = Self::of(topology, rules.creases.as_deref(), said);
+        // A face at a boundary without surface is no hole.
+        let can_show = rules.has_surface(topology);
+        let holes = topology.faces().filter(|&f| can_show[f.index()] && !is_shown(f));
+        list.holes = holes.map(|f| f.0).collect();
+        (!list.is_empty() || list.boundary.is_some()).then_some(list)
     }
 
     /// Takes what follows the `t` of a tag. Tells the name of one that has another meaning.

@@ -32,6 +32,7 @@
 mod crease;
 mod data;
 mod error;
+mod fields;
 #[cfg(feature = "files")]
 mod file;
 mod format;
@@ -54,6 +55,7 @@ mod weld;
 pub use crease::{CreaseList, InterpolateBoundary, parse_creases};
 pub use data::{Labels, MeshData, WriteOptions};
 pub use error::{Error, ParseError, Place};
+pub use fields::{Fields, points_of_uvs, uvs_of_points};
 #[cfg(feature = "files")]
 pub use file::{discard_pending, discard_pending_then, read, save, write, write_blocks};
 #[doc(hidden)]

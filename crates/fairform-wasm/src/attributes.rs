@@ -5,50 +5,10 @@ use std::ops::ControlFlow;
 
 use fairform::interpolate::{ExactFit, Interpolator, Norm, Options};
 use fairform::{Vec3, refine};
-use fairform_io::{Labels, MeshData};
+use fairform_io::{Fields, Labels, MeshData, points_of_uvs, uvs_of_points};
 
 use crate::Problem;
 use crate::mesh_session::{Drawn, Fitted};
-
-/// What travels along with the vertices and corners of a mesh.
-struct Fields {
-    colours: Option<Vec<Vec3>>,
-    opacity: Option<Vec<Vec3>>,
-    uvs: Option<Vec<Vec3>>,
-}
-
-impl Fields {
-    fn of(data: &MeshData) -> Self {
-        let finite = |values: &Vec<Vec3>| values.iter().all(|v| v.is_finite());
-        let colours = data.colours.as_ref();
-        let rgb = colours.map(|c| c.iter().map(|&[r, g, b, _]| Vec3::new(r, g, b)).collect());
-        let is_clear = colours.is_some_and(|c| c.iter().any(|c| c[3] != 1.0));
-        let alpha = colours.filter(|_| is_clear);
-        let alpha = alpha.map(|c| c.iter().map(|c| Vec3::new(c[3], 0.0, 0.0)).collect());
-        let uvs = data.uvs.as_ref();
-        let uvs = uvs.map(|uvs| uvs.iter().map(|&[u, v]| Vec3::new(u, v, 0.0)).collect());
-        Self { colours: rgb.filter(finite), opacity: alpha.filter(finite), uvs: uvs.filter(finite) }
-    }
-
-    fn map(
-        self,
-        mut change: impl FnMut(&[Vec3]) -> Result<Vec<Vec3>, Problem>,
-    ) -> Result<Self, Problem> {
-        let mut one = |values: Option<Vec<Vec3>>| values.map(|values| change(&values)).transpose();
-        Ok(Self { colours: one(self.colours)?, opacity: one(self.opacity)?, uvs: one(self.uvs)? })
-    }
-
-    fn put(self, data: &mut MeshData) {
-        let channel = |x: f64| x.clamp(0.0, 1.0);
-        let opacity = self.opacity;
-        data.colours = self.colours.map(|colours| {
-            let alpha = |i: usize| opacity.as_ref().map_or(1.0, |o| channel(o[i].x));
-            let one = |(i, c): (usize, &Vec3)| [channel(c.x), channel(c.y), channel(c.z), alpha(i)];
-            colours.iter().enumerate().map(one).collect()
-        });
-        data.uvs = self.uvs.map(|uvs| uvs.iter().map(|v| [v.x, v.y]).collect());
-    }
-}
 
 impl Fitted {
     /// Values of the control mesh, with those of the given mesh at its vertices.
@@ -57,18 +17,18 @@ impl Fitted {
         let options = Options { norm: Norm::Diagonal, fair: None, ..self.design.options() };
         let (topology, positions) = (self.target.topology(), self.target.positions());
         let fields = Fields::of(given);
-        if fields.colours.is_none() && fields.uvs.is_none() {
+        if fields.is_empty() {
             return Ok(fields);
         }
         if self.level == 0 {
             let interpolator = Interpolator::near(topology, &self.rules, positions)?;
-            return fields.map(|field| {
+            return fields.try_map(|field| {
                 let mut go_on = |_, _| ControlFlow::Continue(());
                 Ok(interpolator.fit(field, &options, &mut go_on)?.0)
             });
         }
         let mut exact = ExactFit::near(topology, &self.rules, positions)?;
-        fields.map(|field| {
+        fields.try_map(|field| {
             let mut go_on = |_, _| ControlFlow::Continue(());
             Ok(exact.fit(field, &options, &mut go_on)?.0)
         })
@@ -77,7 +37,7 @@ impl Fitted {
     /// Texture coordinates of the corners of the control mesh; none where they do not follow.
     fn corner_uvs(&self, given: &MeshData) -> Result<Option<Vec<Vec3>>, Problem> {
         let Some(uvs) = &given.corner_uvs else { return Ok(None) };
-        let uvs: Vec<Vec3> = uvs.iter().map(|&[u, v]| Vec3::new(u, v, 0.0)).collect();
+        let uvs = points_of_uvs(uvs);
         match self.level {
             0 => Ok(Some(uvs)),
             _ => Ok(refine::refine(self.target.topology(), &self.rules)?.apply_to_corners(&uvs)),
@@ -94,7 +54,7 @@ impl Fitted {
     ) -> Result<(), Problem> {
         self.fields(given)?.put(data);
         let uvs = self.corner_uvs(given)?;
-        data.corner_uvs = uvs.map(|uvs| uvs.iter().map(|v| [v.x, v.y]).collect());
+        data.corner_uvs = uvs.as_deref().map(uvs_of_points);
         labels(given, parents, data);
         Ok(())
     }
@@ -116,13 +76,13 @@ impl Drawn {
             return Ok(());
         }
         let fields = fitted.fields(given)?;
-        fields.map(|field| Ok(self.fine.field(field)?.points()))?.put(data);
+        fields.try_map(|field| Ok::<_, Problem>(self.fine.field(field)?.points()))?.put(data);
         if fitted.shown.is_none()
             && let Some(uvs) = fitted.corner_uvs(given)?
             && let Some(uvs) = self.fine.base_corners(&uvs)
         {
             let uvs = self.fine.corners_in(0..self.fine.base().face_count(), &uvs);
-            data.corner_uvs = Some(uvs.iter().map(|v| [v.x, v.y]).collect());
+            data.corner_uvs = Some(uvs_of_points(&uvs));
         }
         Ok(())
     }

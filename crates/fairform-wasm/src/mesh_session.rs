@@ -10,9 +10,7 @@ use fairform::interpolate::{Fit, FitReport, Interpolator, StageName, fit_mesh};
 use fairform::select::{self, Context, Selection};
 use fairform::solve::{Outcome, Step};
 use fairform::tessellate::{MOST_AT_ONCE, Points, Tessellation};
-use fairform::{
-    Border, Corners, Mesh, Rules, Scheme, Topology, Vec3, VertexId, fairness, limit, refine,
-};
+use fairform::{FaceId, Mesh, Rules, Scheme, Topology, Vec3, VertexId, fairness, limit, refine};
 use fairform_io::project::{Design, FOR_EVER, Fineness, MOST_LEVELS};
 use fairform_io::repair::{self, Steps};
 use fairform_io::{
@@ -663,25 +661,13 @@ impl Fitted {
         let topology = self.control.topology();
         let rules = &self.control_rules;
         let parents = self.parents(self.level)?;
-        let said = match (rules.border, rules.corners) {
-            (Border::None, _) => Some(InterpolateBoundary::None),
-            (_, Corners::Sharp) => Some(InterpolateBoundary::EdgeAndCorner),
-            _ => rules.creases.as_ref().and(Some(InterpolateBoundary::EdgeOnly)),
-        };
-        let knows_creases = matches!(rules.scheme, Scheme::Loop | Scheme::CatmullClark);
-        let creases = knows_creases.then(|| {
-            let mut list = CreaseList::of(topology, rules.creases.as_deref(), said);
-            let can_show = rules.has_surface(topology);
-            let is_shown =
-                |f: usize| self.shown.as_ref().is_none_or(|shown| shown[parents[f] as usize]);
-            let holes = (0..can_show.len()).filter(|&f| can_show[f] && !is_shown(f));
-            list.holes = holes.map(|f| f as u32).collect();
-            list
-        });
+        let is_shown =
+            |f: FaceId| self.shown.as_ref().is_none_or(|shown| shown[parents[f.index()] as usize]);
+        let creases = CreaseList::of_control(topology, rules, rules.creases.is_some(), is_shown);
         let mut data = MeshData {
             positions: self.control.positions().to_vec(),
             faces: topology.to_faces(),
-            creases: creases.filter(|list| !list.is_empty() || list.boundary.is_some()),
+            creases,
             ..MeshData::default()
         };
         self.attributes(given, &parents, &mut data)?;

@@ -24,7 +24,7 @@ pub(crate) struct Adaptive {
 impl Surface {
     /// Whether there are colours or texture coordinates, which adaptive refinement leaves out.
     pub(crate) fn has_fields(&self) -> bool {
-        self.colours.is_some() || self.uvs.is_some() || self.corner_uvs.is_some()
+        !self.fields.is_empty() || self.corner_uvs.is_some()
     }
 
     /// The limit surface by no more faces than it takes, nor more than so many levels make. Positions,

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use fairform::tessellate::{self, Part, Points, Tessellation};
 use fairform::{Error, FaceId, Faces, Scheme, Vec3};
-use fairform_io::{Attributes, Blocks, Labels, MeshData, Patch, Shape};
+use fairform_io::{Attributes, Blocks, Fields, Labels, MeshData, Patch, Shape};
 
-use super::{Finish, Stored, Surface, colours_of};
+use super::{Finish, Stored, Surface};
 use crate::args::Writing;
 use crate::console::{Console, Progress, count};
 use crate::failure::Failure;
@@ -26,9 +26,7 @@ pub(crate) struct Fine<'t> {
     tessellation: &'t Tessellation,
     positions: tessellate::Surface<'t>,
     normals: Normals<'t>,
-    colours: Option<tessellate::Surface<'t>>,
-    opacity: Option<tessellate::Surface<'t>>,
-    uvs: Option<tessellate::Surface<'t>>,
+    fields: Fields<tessellate::Surface<'t>>,
     /// Of the corners of the base.
     corner_uvs: Option<Vec<Vec3>>,
     /// The face of the mesh as it was read that each face of the base is a part of.
@@ -144,8 +142,8 @@ impl Surface {
         Shape {
             face_size: if self.rules.scheme == Scheme::Loop { 3 } else { 4 },
             normals: finish != Finish::Control || self.normals.is_some(),
-            colours: self.colours.is_some(),
-            uvs: self.uvs.is_some(),
+            colours: self.fields.colours.is_some(),
+            uvs: self.fields.uvs.is_some(),
             corner_uvs: self.corner_uvs.is_some(),
             groups: self.groups.as_ref().map(|labels| labels.names.as_slice()),
             materials: self.materials.as_ref().map(|labels| labels.names.as_slice()),
@@ -162,9 +160,6 @@ impl<'t> Fine<'t> {
         finish: Finish,
         progress: &'t Progress,
     ) -> Result<Self, Error> {
-        let of = |field: &Option<Vec<Vec3>>| {
-            field.as_ref().map(|values| tessellation.field(values)).transpose()
-        };
         let normals = match &surface.normals {
             _ if finish != Finish::Control => Normals::Limit,
             Some(given) => Normals::Given(tessellation.field(given)?),
@@ -193,9 +188,7 @@ impl<'t> Fine<'t> {
                 _ => tessellation.field(surface.mesh.positions())?,
             },
             normals,
-            colours: of(&surface.colours)?,
-            opacity: of(&surface.opacity)?,
-            uvs: of(&surface.uvs)?,
+            fields: surface.fields.try_map(|values| tessellation.field(values))?,
             corner_uvs: surface.corner_uvs.as_ref().and_then(|uvs| tessellation.base_corners(uvs)),
             origin,
             shown,
@@ -292,27 +285,21 @@ impl<'t> Fine<'t> {
             }
             Normals::None => (self.positions.points(), None),
         };
-        let points = |field: &Option<tessellate::Surface<'_>>| {
-            field.as_ref().map(tessellate::Surface::points)
-        };
-        let opacity = points(&self.opacity);
-        let colours = points(&self.colours).map(|colours| colours_of(&colours, opacity.as_deref()));
-        let uvs = points(&self.uvs);
         let named = |labels: Option<Labels>, surface: &Option<Labels>| {
             let names = surface.as_ref()?.names.clone();
             labels.map(|labels| Labels { names, ..labels })
         };
         let faces = self.faces_at(0..self.shown_count());
-        MeshData {
+        let mut data = MeshData {
             positions,
             normals,
-            colours,
-            uvs: uvs.map(|uvs| uvs.into_iter().map(|uv| [uv.x, uv.y]).collect()),
             groups: named(faces.groups, &self.surface.groups),
             materials: named(faces.materials, &self.surface.materials),
             material_library: self.surface.material_library.clone(),
             ..faces
-        }
+        };
+        self.fields.map(tessellate::Surface::points).put(&mut data);
+        data
     }
 
     /// Number of vertices that belong to no face that is shown.
@@ -384,13 +371,16 @@ impl Blocks for Fine<'_> {
                 }
             }
         }
-        if let Some(colours) = self.colours.as_ref().filter(|_| wanted.colours) {
-            let opacity = self.opacity.as_ref().map(points);
-            data.colours = Some(colours_of(&points(colours), opacity.as_deref()));
-        }
-        if let Some(uvs) = self.uvs.as_ref().filter(|_| wanted.uvs) {
-            data.uvs = Some(points(uvs).into_iter().map(|uv| [uv.x, uv.y]).collect());
-        }
+        let of = |field: &Option<tessellate::Surface<'_>>, is_wanted: bool| {
+            field.as_ref().filter(|_| is_wanted).map(points)
+        };
+        let Fields { colours, opacity, uvs } = &self.fields;
+        let fields = Fields {
+            colours: of(colours, wanted.colours),
+            opacity: of(opacity, wanted.colours),
+            uvs: of(uvs, wanted.uvs),
+        };
+        fields.put(&mut data);
         data
     }
 

@@ -37,7 +37,7 @@ fn with_seams(mut surface: Surface) -> Surface {
     let corners = surface.mesh.topology().halfedge_count();
     let uv = |i: usize| Vec3::new(i as f64, (i * i % 7) as f64, 0.0);
     surface.corner_uvs = Some((0..corners).map(uv).collect());
-    surface.uvs = None;
+    surface.fields.uvs = None;
     surface
 }
 
